@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: Apache-2.0
+# One module = one folder = one target. tetragauge_module(NAME DEPENDS targets... [TEST_DEPENDS targets...])
+# compiles every x.cpp of the folder into the library tetragauge_NAME and every x_test.cpp into one test
+# program NAME_test. A folder without sources becomes a header-only library.
+include(GoogleTest)
+
+function(tetragauge_own_flags target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wconversion -Werror)
+endfunction()
+
+function(tetragauge_module name)
+  cmake_parse_arguments(arg "" "" "DEPENDS;TEST_DEPENDS" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  set(tests ${sources})
+  list(FILTER sources EXCLUDE REGEX "_test\\.cpp$")
+  list(FILTER tests INCLUDE REGEX "_test\\.cpp$")
+  set(library tetragauge_${name})
+  if(sources)
+    add_library(${library} STATIC ${sources})
+    target_include_directories(${library} PUBLIC ${PROJECT_SOURCE_DIR})
+    target_link_libraries(${library} PUBLIC ${arg_DEPENDS})
+    tetragauge_own_flags(${library})
+  else()
+    add_library(${library} INTERFACE)
+    target_include_directories(${library} INTERFACE ${PROJECT_SOURCE_DIR})
+    target_link_libraries(${library} INTERFACE ${arg_DEPENDS})
+  endif()
+  if(tests)
+    add_executable(${name}_test ${tests})
+    target_link_libraries(${name}_test PRIVATE ${library} ${arg_TEST_DEPENDS} GTest::gtest_main)
+    tetragauge_own_flags(${name}_test)
+    # COST puts the fast module tests before the end-to-end ones when ctest runs in parallel.
+    gtest_discover_tests(${name}_test TEST_PREFIX "${name}." DISCOVERY_MODE PRE_TEST
+                         PROPERTIES COST 100 TIMEOUT 300 LABELS module)
+  endif()
+endfunction()

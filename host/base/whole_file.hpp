@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Files are read whole and appear whole: a reader never sees a half-written output.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "host/base/result.hpp"
+
+namespace tetragauge {
+
+Result<std::string> read_whole_file(const std::filesystem::path& path);
+
+// Writes to a temporary file beside `path`, flushes it to disk and renames it over `path`.
+Status write_whole_file(const std::filesystem::path& path, std::string_view content);
+
+// Lower-case hexadecimal SHA-256.
+std::string sha256_hex(std::string_view content);
+
+}  // namespace tetragauge

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Steps 5 to 8 of the way of one point (DESIGN section 1): scan and model in, verdict out.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/base/result.hpp"
+#include "host/base/stage_timer.hpp"
+#include "host/inspect/tolerances.hpp"
+#include "host/match/match.hpp"
+
+namespace tetragauge {
+
+// Order of severity over the faces of a part: fail > undecided > not_measured > pass.
+enum class Verdict { pass, fail, undecided, not_measured, skipped, none };
+std::string_view verdict_name(Verdict verdict);
+
+struct FaceInspection {
+  int model_id = 0, measured_id = 0;  // measured_id 0: no measured face
+  bool measured = false;
+  size_t points_used = 0, points_rejected = 0;
+  double measured_area_mm2 = 0, coverage = 0;
+  double offset_mm = 0, tilt_rad = 0,
+         form_mm = 0;  // offset at the model face's centroid, + = excess material
+  double U_offset_mm = 0, U_tilt_rad = 0, U_form_mm = 0;  // k = 2
+  double profile_mm = 0,
+         U_profile_mm = 0;  // largest |deviation| of offset, tilt over the face and form together
+  Verdict verdict = Verdict::none;
+  std::string reason;  // in words, e.g. "not seen: 3 points", "rays prove it absent"
+};
+
+struct Inspection {
+  Verdict verdict = Verdict::none;
+  Match match;
+  std::vector<FaceInspection> faces;      // by model id, ascending
+  std::vector<int> missing_faces;         // model ids that rays prove absent
+  std::vector<int> extra_faces;           // measured ids that no model face explains
+  std::vector<float> point_deviation_mm;  // per raw point to the nearest model surface, + = excess material
+  std::vector<int> point_face;            // per raw point its model id, 0: none
+  StageTimer timing;
+};
+
+struct InspectOptions {
+  enum class Rule { guarded, iso14253, simple } rule = Rule::guarded;
+  ReconstructOptions reconstruct;
+  FindFacesOptions faces;
+  MatchOptions match;
+};
+
+// What every stage made, kept for the report.
+struct InspectionRun {
+  Reconstruction reconstruction;
+  MeasuredFaces measured;
+  Inspection inspection;
+};
+
+Result<InspectionRun> inspect(const Scan& scan, const Solid& model, const Tolerances& tolerances,
+                              const InspectOptions& options = {});
+
+}  // namespace tetragauge

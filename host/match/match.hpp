@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Measured faces against the faces of the solid model, with no initial pose (DESIGN section 5, "Match").
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/base/result.hpp"
+#include "host/faces/find_faces.hpp"
+#include "host/geometry/face.hpp"
+#include "host/geometry/rigid_transform.hpp"
+#include "host/scan/scan.hpp"
+#include "host/solid/ray_caster.hpp"
+#include "host/solid/solid.hpp"
+
+namespace tetragauge {
+
+struct MatchOptions {
+  bool is_unsigned = false;  // normals do not tell the side of the material
+  double max_offset_mm = 0;  // 0: from the data (measured covariance, part size)
+  double max_angle_rad = 0;  // 0: from the data
+};
+
+struct FacePair {
+  int model = 0, measured = 0;  // ids
+  double offset_mm = 0;         // measured minus model, at the model face's centroid, + = excess material
+  double angle_rad = 0;
+};
+
+struct EquivalentPose {
+  RigidTransform T_model_part;
+  std::string why;
+};
+
+struct FreeDirection {
+  enum class Kind { translation, rotation } kind = Kind::translation;
+  Vec3 axis = Vec3::Zero();      // unit, model frame
+  Vec3 point_mm = Vec3::Zero();  // on the axis of a rotation, model frame
+};
+
+struct Match {
+  RigidTransform T_model_part;  // p_model = T_model_part * p_part
+  Mat6 covariance =
+      Mat6::Zero();  // left perturbation rx ry rz tx ty tz about the part's centroid, rad and mm
+  double rms_mm = 0;
+  std::vector<FacePair> pairs;                           // ascending model id
+  std::vector<int> unmatched_model, unmatched_measured;  // ids, ascending
+  std::vector<EquivalentPose> equivalents;
+  std::vector<FreeDirection> undetermined;
+};
+
+// Lists alone: no rays, no raw points. Works on model lists read from .hsp too.
+// Error (undecided): no pose explains the faces.
+Result<Match> match_face_lists(const FaceList& model, const FaceList& measured,
+                               const MatchOptions& options = {});
+
+// The whole: poses from the lists, free-space violation along the scan's rays, refinement on raw points
+// without faces that are out of place.
+Result<Match> match_scan(const Solid& model, const RayCaster& caster, const Scan& scan,
+                         const MeasuredFaces& measured, const MatchOptions& options = {});
+
+}  // namespace tetragauge
