@@ -14,6 +14,7 @@ namespace tetragauge {
 
 enum class SurfaceType { plane, cylinder, cone, sphere, torus, other };
 std::string_view surface_type_name(SurfaceType type);
+std::optional<SurfaceType> surface_type_from_name(std::string_view name);
 
 // Covariance of a fitted plane at point_mm: rows (offset along the normal [mm], tilt about u [rad], tilt
 // about v [rad]).
