@@ -12,10 +12,10 @@
 namespace tetragauge {
 
 struct ReadScanOptions {
-  double unit_scale_mm = 1.0;         // mm per unit of the file
-  std::optional<Vec3> ray_origin_mm;  // one sensor, mm: for files without rays
-  std::optional<Vec3> ray_direction;  // parallel rays: the way the light travels
-  std::optional<double> sigma_mm;     // for files without sigma; overrides nothing that is there
+  std::optional<double> unit_scale_mm = {};  // mm per unit of the file; else its own word, else 1
+  std::optional<Vec3> ray_origin_mm = {};    // one sensor, mm: for files without rays
+  std::optional<Vec3> ray_direction = {};    // parallel rays: the way the light travels
+  std::optional<double> sigma_mm = {};       // for files without sigma; overrides nothing that is there
 };
 
 // By its ending: .ply, .pcd (text), .xyz/.csv/.txt. Errors name file and place. 0 points is an error.
