@@ -21,6 +21,8 @@ nlohmann::ordered_json report_json(const InspectionRun& run, const Scan& scan, c
                                    const Tolerances& tolerances, const ReportInput& input);
 nlohmann::ordered_json match_json(const Match& match,
                                   const std::string& method);  // shared with `match --json`
+// The block `reconstruction`; shared with `reconstruct --json`.
+nlohmann::ordered_json reconstruction_json(const Scan& scan, const Reconstruction& reconstruction);
 std::string report_text(const InspectionRun& run, const Scan& scan, const Solid& model,
                         const Tolerances& tolerances,
                         const ReportInput& input);  // verdict first; fits 100 columns

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The command line: one file per command, each of which adds itself to the app and says what to run.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "host/base/result.hpp"
+
+namespace tetragauge::cli {
+
+// What holds for every command. stdout is data, stderr is progress and log.
+struct Console {
+  bool quiet = false;
+  std::string json;  // FILE or "-" for stdout; empty: no JSON
+  int threads = 0;   // 0: all
+
+  // Progress and log, one line on stderr; nothing with --quiet.
+  void say(const std::string& line) const;
+  // Text a person reads on stdout; nothing when stdout carries the JSON.
+  void print(const std::string& text) const;
+  // Writes `value` where --json asked for it, whole.
+  Status put_json(const nlohmann::ordered_json& value) const;
+};
+
+// Runs a command; the result is the exit code.
+using Run = std::function<Result<int>()>;
+
+// Adds a subcommand with --quiet, --threads and, where `has_json`, --json.
+CLI::App* add_command(CLI::App& app, Console& console, const std::string& name, const std::string& what,
+                      bool has_json);
+
+void add_measure(CLI::App& app, Console& console, Run& run);
+void add_scan(CLI::App& app, Console& console, Run& run);
+void add_simulate(CLI::App& app, Console& console, Run& run);
+void add_reconstruct(CLI::App& app, Console& console, Run& run);
+void add_faces(CLI::App& app, Console& console, Run& run);
+void add_model(CLI::App& app, Console& console, Run& run);
+void add_match(CLI::App& app, Console& console, Run& run);
+void add_inspect(CLI::App& app, Console& console, Run& run);
+
+}  // namespace tetragauge::cli

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/cli/input_options.hpp"
+
+#include <unistd.h>
+
+#include "host/geometry/face_list_file.hpp"
+#include "host/geometry/parse_number.hpp"
+
+namespace tetragauge::cli {
+
+void InputOptions::add_scan(CLI::App& command) {
+  command.add_option("scan", scan, "Scan: .ply with rays, or a cloud (.ply .pcd .xyz .csv)")
+      ->required()
+      ->type_name("SCAN");
+  command
+      .add_option("--ray-origin", ray_origin,
+                  "Clouds without rays: where the sensor stood, in the scan's unit")
+      ->type_name("X,Y,Z");
+  command
+      .add_option("--ray-direction", ray_direction,
+                  "Clouds without rays: the way the light travelled (parallel rays)")
+      ->type_name("X,Y,Z");
+  command.add_option("--sigma", sigma_mm, "Clouds without sigma: standard deviation along the ray, mm")
+      ->check(CLI::PositiveNumber);
+}
+
+void InputOptions::add_model(CLI::App& command) {
+  command.add_option("--model", model, "Solid model: .step .stp .csg")->required()->type_name("MODEL");
+}
+
+void InputOptions::add_unit(CLI::App& command) {
+  const std::string units = "mm, cm, m, um or inch";
+  command.add_option("--unit", unit, "Unit of files that state none: " + units);
+  if (command.get_option_no_throw("scan"))
+    command.add_option("--scan-unit", scan_unit, "Unit of the scan alone");
+  if (command.get_option_no_throw("--model"))
+    command.add_option("--model-unit", model_unit, "Unit of the model alone");
+}
+
+Result<Scan> InputOptions::read_scan(const Console& console) const {
+  ReadScanOptions options;
+  const std::string& said = scan_unit.empty() ? unit : scan_unit;
+  if (!said.empty()) {
+    Result<double> scale = unit_mm(said);
+    if (!scale) return scale.error();
+    options.unit_scale_mm = *scale;
+  }
+  if (!ray_origin.empty()) {
+    Result<Vec3> origin = parse_vec3(ray_origin, "--ray-origin");
+    if (!origin) return origin.error();
+    options.ray_origin_mm = *origin * options.unit_scale_mm.value_or(1.0);
+  }
+  if (!ray_direction.empty()) {
+    Result<Vec3> direction = parse_vec3(ray_direction, "--ray-direction");
+    if (!direction) return direction.error();
+    if (!(direction->norm() > 1e-9))
+      return usage_error("--ray-direction " + ray_direction + ": has no direction");
+    options.ray_direction = *direction;
+  }
+  if (sigma_mm > 0) options.sigma_mm = sigma_mm;
+  Result<Scan> read = tetragauge::read_scan(scan, options);
+  if (read) console.say(scan + ": " + std::to_string(read->size()) + " points");
+  return read;
+}
+
+Result<double> InputOptions::model_unit_mm() const {
+  const std::string& said = model_unit.empty() ? unit : model_unit;
+  return said.empty() ? Result<double>(1.0) : unit_mm(said);
+}
+
+Result<Solid> InputOptions::read_model(const Console& console) const {
+  ReadSolidOptions options;
+  if (!unit.empty() || !model_unit.empty()) {
+    Result<double> scale = model_unit_mm();
+    if (!scale) return scale.error();
+    options.unit_scale_mm = *scale;
+  }
+  Result<Solid> read = read_solid(model, options);
+  if (read) {
+    for (const std::string& warning : read->warnings) console.say("warning: " + warning);
+  }
+  return read;
+}
+
+Status check_can_write(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
+  std::error_code code;
+  if (std::filesystem::is_directory(path, code)) return usage_error(path + " is a folder; name a file");
+  if (!std::filesystem::is_directory(folder, code)) {
+    return usage_error("cannot write " + path + ": there is no folder " + folder.string() +
+                       "; make it first");
+  }
+  if (::access(folder.c_str(), W_OK) != 0) {
+    return usage_error("cannot write " + path + ": no permission in " + folder.string());
+  }
+  return Done{};
+}
+
+Result<Vec3> parse_vec3(const std::string& text, const std::string& option) {
+  std::string_view rest = text;
+  Vec3 v;
+  for (int k = 0; k < 3; ++k) {
+    const auto number = parse_number<double>(next_word(rest));
+    if (!number) return usage_error(option + " " + text + ": expected three numbers X,Y,Z");
+    v[k] = *number;
+  }
+  if (!next_word(rest).empty()) return usage_error(option + " " + text + ": expected three numbers X,Y,Z");
+  return v;
+}
+
+}  // namespace tetragauge::cli

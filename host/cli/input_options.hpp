@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The options by which scans and models are named and completed, alike in every command.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/cli/command.hpp"
+#include "host/scan/scan_file.hpp"
+#include "host/solid/solid.hpp"
+
+namespace tetragauge::cli {
+
+struct InputOptions {
+  std::string scan, model;
+  std::string unit, scan_unit, model_unit;
+  std::string ray_origin, ray_direction;
+  double sigma_mm = 0;
+
+  void add_scan(CLI::App& command);
+  void add_model(CLI::App& command);
+  void add_unit(
+      CLI::App& command);  // --unit, and what of --scan-unit, --model-unit goes with the inputs added before
+
+  Result<Scan> read_scan(const Console& console) const;
+  Result<Solid> read_model(const Console& console) const;
+  // mm per unit said for the model, if any.
+  Result<double> model_unit_mm() const;
+};
+
+// The folder of `path` exists and is writable: said before hours of work, not after.
+Status check_can_write(const std::string& path);
+
+// "X,Y,Z"; a usage error names `option`.
+Result<Vec3> parse_vec3(const std::string& text, const std::string& option);
+
+}  // namespace tetragauge::cli

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// From a scan to the report: what `inspect` and `measure` share.
+#pragma once
+
+#include <string>
+
+#include "host/cli/input_options.hpp"
+#include "host/inspect/inspect.hpp"
+
+namespace tetragauge::cli {
+
+struct InspectArguments {
+  std::string tolerances, out;
+  InspectOptions inspect;
+
+  void add(CLI::App& command);
+
+  // Checks what can be known before the work: the tolerance file against the model, and that `out` can be
+  // made.
+  Result<Tolerances> prepare(const Solid& model) const;
+
+  // Inspects, writes the report into `out`, prints report.txt, puts report.json where --json asked. The exit
+  // code.
+  Result<int> run(const Console& console, const Scan& scan, const std::string& scan_path, const Solid& model,
+                  const std::string& model_path, const Tolerances& tolerances) const;
+};
+
+}  // namespace tetragauge::cli

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <tbb/global_control.h>
+
+#include <cstdio>
+#include <exception>
+#include <memory>
+
+#include "host/cli/command.hpp"
+
+namespace {
+
+int fail(const tetragauge::Error& error) {
+  std::fprintf(stderr, "tetragauge: %s\n", error.message.c_str());
+  return static_cast<int>(error.kind);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace tetragauge;
+  cli::Console console;
+  cli::Run run;
+  CLI::App app{"Tetragauge measures a part with a laser and says which of its faces are out of tolerance."};
+  app.set_version_flag("--version", std::string("tetragauge ") + TETRAGAUGE_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 pass or done, 1 out of tolerance, 2 usage, 3 bad input file, 4 machine or link,\n"
+      "5 undecided or not enough measured, 70 internal error.");
+  cli::add_measure(app, console, run);
+  cli::add_scan(app, console, run);
+  cli::add_simulate(app, console, run);
+  cli::add_reconstruct(app, console, run);
+  cli::add_faces(app, console, run);
+  cli::add_model(app, console, run);
+  cli::add_match(app, console, run);
+  cli::add_inspect(app, console, run);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {  // --help, --version
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    app.exit(error);
+    return static_cast<int>(ErrorKind::usage);
+  }
+  try {
+    std::unique_ptr<tbb::global_control> limit;
+    if (console.threads > 0) {
+      limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                    static_cast<size_t>(console.threads));
+    }
+    const Result<int> code = run();
+    return code ? *code : fail(code.error());
+  } catch (const std::exception& error) {
+    return fail(
+        internal_error(std::string("internal error: ") + error.what() + "; please report it with the input"));
+  }
+}
