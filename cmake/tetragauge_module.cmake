@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-# One module = one folder = one target. tetragauge_module(NAME DEPENDS targets... [TEST_DEPENDS targets...])
-# compiles every x.cpp of the folder into the library tetragauge_NAME and every x_test.cpp into one test
-# program NAME_test. A folder without sources becomes a header-only library.
+# One module = one folder = one target. tetragauge_module(NAME DEPENDS targets... [TEST_DEPENDS targets...]
+# [SUBFOLDERS folders...]) compiles every x.cpp of the folder (and of the subfolders named) into the library
+# tetragauge_NAME and every x_test.cpp into one test program NAME_test. A folder without sources becomes a header-only
+# library.
 include(GoogleTest)
 
 function(tetragauge_own_flags target)
@@ -13,8 +14,12 @@ function(tetragauge_own_flags target)
 endfunction()
 
 function(tetragauge_module name)
-  cmake_parse_arguments(arg "" "" "DEPENDS;TEST_DEPENDS" ${ARGN})
+  cmake_parse_arguments(arg "" "" "DEPENDS;TEST_DEPENDS;SUBFOLDERS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  foreach(subfolder ${arg_SUBFOLDERS})
+    file(GLOB more CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${subfolder}/*.cpp)
+    list(APPEND sources ${more})
+  endforeach()
   set(tests ${sources})
   list(FILTER sources EXCLUDE REGEX "_test\\.cpp$")
   list(FILTER tests INCLUDE REGEX "_test\\.cpp$")

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a board gives to the firmware. The controller is a template on the board, so a chip's calls compile to
+// register accesses; the emulated board is one more board. hal/fake_board.hpp is the smallest one.
+//
+// Timing contract. A board has one clock that never goes back and counts from start-up. It calls the
+// controller's interrupt entry points AT the instants it was asked for, never early; now_ns() read inside is
+// that instant or later:
+//   controller.on_alarm()        at the time of set_alarm_ns (one pending alarm; setting it again replaces
+//   it) controller.on_samples()      when the burst of start_samples is in the buffer
+//   controller.on_step_timer(k)  at the time of set_step_alarm_ns(k, t) (one pending for each axis)
+//   controller.on_interlock()    when the interlock opens or closes
+// Priorities, high to low: step timers, interlock, alarm and samples (these two never interrupt each other),
+// poll(). poll() is the main loop: call it after bytes came, after every interrupt, and not later than
+// next_poll_ns().
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+
+namespace tetragauge {
+
+// One simultaneous sample of both cameras: signed converter codes, left-aligned to 16 bits (a 12-bit
+// converter shifts by 4), one electrode current each. Duolateral detector: each pair carries the whole
+// photocurrent; x = half_size (x2 - x1) / (x2 + x1), y alike.
+struct PsdSample {
+  struct Camera {
+    int16_t x1, x2, y1, y2;
+  };
+  Camera camera[2];
+};
+
+inline constexpr uint32_t kBurstSamples = 64;  // longest burst
+
+// Mirror converters: signed code, kUradPerMirrorCode of mechanical mirror angle each.
+inline constexpr int32_t kUradPerMirrorCode = 6;
+
+enum class Axis : uint8_t { kTable = 0, kSlide = 1 };
+inline constexpr int kAxes = 2;
+
+struct Inputs {
+  static constexpr uint32_t kInterlockClosed = 1;  // laser and motion allowed
+  static constexpr uint32_t kMirrorsGood = 2;      // both galvo drivers ready, position error small
+  static constexpr uint32_t kLaserGood = 4;        // laser driver ready
+  static constexpr uint32_t kTableHome = 8;        // home switch closed: position at or below home_steps
+  static constexpr uint32_t kSlideHome = 16;
+  static constexpr uint32_t kSlideLimitLow = 32;  // end switches of the slide; the table turns freely
+  static constexpr uint32_t kSlideLimitHigh = 64;
+};
+
+template <class B>
+concept Board = requires(B board, const B& constant, uint64_t time_ns, int16_t code, PsdSample* samples,
+                         uint32_t count, Axis axis, bool on, uint8_t* in, const uint8_t* out, size_t bytes) {
+  { B::kName } -> std::convertible_to<const char*>;
+  { B::kCapabilities } -> std::convertible_to<uint32_t>;    // tg_Capability bits
+  { B::kSamplePeriodNs } -> std::convertible_to<uint32_t>;  // between samples of a burst
+  { constant.boot_id() } -> std::same_as<uint32_t>;         // differs between starts
+
+  { constant.now_ns() } -> std::same_as<uint64_t>;
+  { board.set_alarm_ns(time_ns) } -> std::same_as<void>;
+
+  { board.set_mirrors(code, code) } -> std::same_as<void>;  // a, b; both at once
+  { board.set_laser(on) } -> std::same_as<void>;
+  // First sample one period after the call; the whole burst takes count periods.
+  { board.start_samples(samples, count) } -> std::same_as<void>;
+
+  { board.set_step_alarm_ns(axis, time_ns) } -> std::same_as<void>;
+  { board.step(axis, on) } -> std::same_as<void>;  // one step edge now; true is up / counter-clockwise
+  { constant.inputs() } -> std::same_as<uint32_t>;
+
+  { board.read(in, bytes) } -> std::same_as<size_t>;    // takes what came, up to bytes
+  { board.write(out, bytes) } -> std::same_as<size_t>;  // takes what fits, returns how many
+  { board.kick_watchdog() } -> std::same_as<void>;
+};
+
+}  // namespace tetragauge

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// A message as one frame, and back. The two envelopes of machine.proto:
+//
+//   tg_HostMessage m = tg_HostMessage_init_zero;
+//   m.which_body = tg_HostMessage_home_tag;
+//   size_t n = encode_message({Channel::kRequest, id}, m, wire);   // wire[kFrameWireBytes]
+//   tg_MachineMessage reply;
+//   if (reader.push(byte) && decode_message(reader.frame(), &reply)) ...
+#pragma once
+
+#include "protocol/frame.hpp"
+#include "protocol/machine.pb.h"
+
+namespace tetragauge {
+
+// Bytes of the frame with its ending 00; 0 when the message does not fit a frame.
+size_t encode_message(FrameHeader header, const tg_HostMessage& message, uint8_t* wire);
+size_t encode_message(FrameHeader header, const tg_MachineMessage& message, uint8_t* wire);
+
+// The protobuf alone, into kFramePayloadBytes; 0 when it does not fit.
+size_t encode_payload(const tg_MachineMessage& message, uint8_t* payload);
+
+// False when the payload is not such a message or holds none.
+bool decode_message(const Frame& frame, tg_HostMessage* message);
+bool decode_message(const Frame& frame, tg_MachineMessage* message);
+
+}  // namespace tetragauge
