@@ -55,11 +55,12 @@ class SerialTransport final : public Transport {
   }
 
   Status write_all(std::span<const uint8_t> bytes, milliseconds timeout) override {
-    const int n = sp_blocking_write(port_.get(), bytes.data(), bytes.size(),
-                                    static_cast<unsigned>(timeout.count()));
+    const int n =
+        sp_blocking_write(port_.get(), bytes.data(), bytes.size(), static_cast<unsigned>(timeout.count()));
     if (n < 0) return unplugged();
     if (static_cast<size_t>(n) != bytes.size()) {
-      return machine_error(device_ + ": the port takes no bytes; unplug the machine, plug it in again and repeat");
+      return machine_error(device_ +
+                           ": the port takes no bytes; unplug the machine, plug it in again and repeat");
     }
     return Done{};
   }
@@ -68,7 +69,8 @@ class SerialTransport final : public Transport {
 
  private:
   Error unplugged() const {
-    return machine_error(device_ + ": the machine was unplugged; check cable and power, then repeat the command");
+    return machine_error(device_ +
+                         ": the machine was unplugged; check cable and power, then repeat the command");
   }
 
   Port port_;
@@ -95,19 +97,19 @@ Result<std::unique_ptr<Transport>> open_serial_transport(const std::string& devi
   if (sp_open(port.get(), SP_MODE_READ_WRITE) != SP_OK) {
     const int failure = sp_last_error_code();
     if (failure == EACCES) {
-      return machine_error(device + ": no permission; add yourself to the group that owns it (on Debian: sudo "
-                                    "adduser $USER dialout), then log in again");
+      return machine_error(device +
+                           ": no permission; add yourself to the group that owns it (on Debian: sudo "
+                           "adduser $USER dialout), then log in again");
     }
     if (failure == EBUSY) {
       return machine_error(device + ": in use by another program; end that one first");
     }
     return machine_error(device + ": cannot open it as a serial port: " + std::strerror(failure));
   }
-  const bool configured = sp_set_baudrate(port.get(), options.baud) == SP_OK &&
-                          sp_set_bits(port.get(), 8) == SP_OK &&
-                          sp_set_parity(port.get(), SP_PARITY_NONE) == SP_OK &&
-                          sp_set_stopbits(port.get(), 1) == SP_OK &&
-                          sp_set_flowcontrol(port.get(), SP_FLOWCONTROL_NONE) == SP_OK;
+  const bool configured =
+      sp_set_baudrate(port.get(), options.baud) == SP_OK && sp_set_bits(port.get(), 8) == SP_OK &&
+      sp_set_parity(port.get(), SP_PARITY_NONE) == SP_OK && sp_set_stopbits(port.get(), 1) == SP_OK &&
+      sp_set_flowcontrol(port.get(), SP_FLOWCONTROL_NONE) == SP_OK;
   if (!configured) {
     return machine_error(device + ": does not take " + std::to_string(options.baud) +
                          " baud, 8N1, no flow control; use the machine's own USB port");

@@ -57,7 +57,8 @@ class SocketTransport final : public Transport {
       if (errno != EAGAIN && errno != EWOULDBLOCK) return gone(std::strerror(errno));
       pollfd waiting{fd_, POLLOUT, 0};
       if (::poll(&waiting, 1, remaining_ms(deadline)) == 0) {
-        return machine_error(device_ + ": the other side takes no bytes; is the machine stopped in a debugger?");
+        return machine_error(device_ +
+                             ": the other side takes no bytes; is the machine stopped in a debugger?");
       }
     }
     return Done{};
@@ -117,8 +118,8 @@ Result<std::unique_ptr<Transport>> open_unix_transport(const std::string& device
       case EACCES:
         return machine_error(device + ": no permission; the emulator runs as another user");
       case ECONNREFUSED:
-        return machine_error(device + ": nobody listens there any more; start the emulator again with --listen " +
-                             device);
+        return machine_error(
+            device + ": nobody listens there any more; start the emulator again with --listen " + device);
       default:
         return machine_error(device + ": cannot connect: " + std::strerror(failure));
     }

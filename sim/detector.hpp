@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// From light on a duolateral detector to converter codes: four electrode currents, shot and amplifier noise,
+// speckle, ambient light, gain, rails, quantisation.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "sim/numbers.hpp"
+#include "sim/spot.hpp"
+
+namespace tetragauge::sim {
+
+struct DetectorCodes {
+  int16_t x1 = 0, x2 = 0, y1 = 0, y2 = 0;
+};
+
+// Displacement of the spot's centre by speckle, share of the detector's half side: one draw for each place
+// and camera, so averaging samples of one place does not lower it. `key` belongs to the place and the camera.
+SpotImage add_speckle(const Numbers& numbers, const TrueCamera& camera, SpotImage image, uint64_t key);
+
+// One sample. `lit`: 0 .. 1, how far the laser is on. `key` belongs to the place, the sample and the camera.
+DetectorCodes sample_detector(const Numbers& numbers, const SpotImage& image, double lit, uint64_t key);
+
+}  // namespace tetragauge::sim
