@@ -45,8 +45,8 @@ Result<Solid> read_solid(const std::filesystem::path& path, const ReadSolidOptio
 // The same solid turned and shifted: p' = T * p. Ids stay those of the input.
 Solid transformed(const Solid& solid, const RigidTransform& T);
 
-// Signed distance of p to the face's analytic surface (plane, cylinder, cone, sphere, torus), positive
-// outside the material. Precondition: type is not `other`.
+// Signed distance of p to the face's analytic surface, positive outside the material. Precondition: the type
+// is plane, cylinder, cone or sphere.
 double distance_to_surface(const Face& face, const Vec3& p);
 
 }  // namespace tetragauge

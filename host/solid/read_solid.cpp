@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <BRepBuilderAPI_Transform.hxx>
+#include <Standard_Failure.hxx>
+#include <algorithm>
+#include <cctype>
+#include <sstream>
+
+#include "host/base/whole_file.hpp"
+#include "host/solid/build_csg.hpp"
+#include "host/solid/read_step.hpp"
+#include "host/solid/solid.hpp"
+#include "host/solid/solid_from_shape.hpp"
+
+namespace tetragauge {
+namespace {
+
+// Outside of these a declared unit is more likely wrong than the part that large or small.
+constexpr double kLargestLikely_mm = 2000, kSmallestLikely_mm = 1;
+
+Result<Solid> read_step_solid(const std::string& content, const std::string& file,
+                              const ReadSolidOptions& options) {
+  Result<StepModel> model = read_step(content, file);
+  if (!model) return model.error();
+  Result<Solid> solid = solid_from_shape(model->shape, file, options);
+  if (!solid) return solid;
+  solid->declared_unit = model->declared_unit;
+  const double size_mm = (solid->box_max_mm - solid->box_min_mm).maxCoeff();
+  if (size_mm > kLargestLikely_mm || size_mm < kSmallestLikely_mm) {
+    std::ostringstream warning;
+    warning << file << ": the declared unit " << solid->declared_unit << " makes the part " << size_mm
+            << " mm large; check the unit it was exported with";
+    solid->warnings.push_back(warning.str());
+  }
+  return solid;
+}
+
+Result<Solid> read_csg_solid(const std::string& content, const std::string& file,
+                             const ReadSolidOptions& options) {
+  Result<std::vector<CsgNode>> nodes = parse_csg(content, file);
+  if (!nodes) return nodes.error();
+  TopoDS_Shape shape;
+  try {
+    shape = build_csg(*nodes);
+  } catch (const CsgFailure& failure) {
+    return bad_input(file + ":" + std::to_string(failure.line) + ": " + failure.what());
+  }
+  const double scale = options.unit_scale_mm.value_or(1.0);
+  if (scale != 1.0 && !shape.IsNull()) {
+    gp_Trsf T;
+    T.SetScaleFactor(scale);
+    shape = BRepBuilderAPI_Transform(shape, T, true).Shape();
+  }
+  return solid_from_shape(shape, file, options);
+}
+
+}  // namespace
+
+Result<Solid> read_solid(const std::filesystem::path& path, const ReadSolidOptions& options) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
+  const bool is_step = ending == ".step" || ending == ".stp";
+  if (!is_step && ending != ".csg") {
+    return bad_input(path.string() + ": '" + ending +
+                     "' is not a model this program reads; give .step, .stp or .csg");
+  }
+  Result<std::string> content = read_whole_file(path);
+  if (!content) return content.error();
+  try {
+    return is_step ? read_step_solid(*content, path.string(), options)
+                   : read_csg_solid(*content, path.string(), options);
+  } catch (const Standard_Failure& failure) {
+    const char* message = failure.GetMessageString();
+    return bad_input(path.string() + ": OpenCASCADE cannot build the model (" +
+                     failure.DynamicType()->Name() +
+                     (message && *message ? std::string(": ") + message : std::string()) +
+                     "); simplify the part or export it again");
+  }
+}
+
+}  // namespace tetragauge

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/solid/solid_from_shape.hpp"
+
+#include <BRepGProp.hxx>
+#include <BRepLib.hxx>
+#include <BRep_Tool.hxx>
+#include <GProp_GProps.hxx>
+#include <ShapeUpgrade_UnifySameDomain.hxx>
+#include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Solid.hxx>
+#include <cmath>
+
+#include "host/solid/list_faces.hpp"
+#include "host/solid/tessellate.hpp"
+
+namespace tetragauge {
+namespace {
+
+// Each distinct solid once, at its first place.
+std::vector<TopoDS_Solid> distinct_solids(const TopoDS_Shape& shape) {
+  TopTools_IndexedMapOfShape seen;
+  std::vector<TopoDS_Solid> solids;
+  for (TopExp_Explorer solid(shape, TopAbs_SOLID); solid.More(); solid.Next()) {
+    const TopoDS_Shape unplaced = solid.Current().Located(TopLoc_Location()).Oriented(TopAbs_FORWARD);
+    if (seen.Contains(unplaced)) continue;
+    seen.Add(unplaced);
+    solids.push_back(TopoDS::Solid(solid.Current()));
+  }
+  return solids;
+}
+
+bool is_open(const TopoDS_Solid& solid) {
+  TopTools_IndexedDataMapOfShapeListOfShape faces_of_edge;
+  TopExp::MapShapesAndAncestors(solid, TopAbs_EDGE, TopAbs_FACE, faces_of_edge);
+  for (int i = 1; i <= faces_of_edge.Extent(); ++i) {
+    const TopoDS_Edge edge = TopoDS::Edge(faces_of_edge.FindKey(i));
+    if (BRep_Tool::Degenerated(edge) || faces_of_edge(i).Extent() > 1) continue;
+    if (!BRep_Tool::IsClosed(edge, TopoDS::Face(faces_of_edge(i).First()))) return true;  // not a seam
+  }
+  return faces_of_edge.IsEmpty();
+}
+
+double volume_mm3(const TopoDS_Shape& shape) {
+  GProp_GProps properties;
+  BRepGProp::VolumeProperties(shape, properties);
+  return properties.Mass();
+}
+
+// Faces of one surface that touch become one face. Merging must not change the body: if it does, the faces
+// stay as they are.
+TopoDS_Solid merge_split_faces(const TopoDS_Solid& solid) {
+  ShapeUpgrade_UnifySameDomain unify(solid, true, true, false);
+  unify.Build();
+  TopExp_Explorer found(unify.Shape(), TopAbs_SOLID);
+  if (!found.More()) return solid;
+  const TopoDS_Solid merged = TopoDS::Solid(found.Current());
+  const double before = volume_mm3(solid);
+  const bool is_same = !is_open(merged) && std::abs(volume_mm3(merged) - before) <= 1e-6 * std::abs(before);
+  return is_same ? merged : solid;
+}
+
+void add_mass_properties(const std::vector<TopoDS_Solid>& shapes, Solid& solid) {
+  Vec3 moment = Vec3::Zero();
+  for (const TopoDS_Solid& shape : shapes) {
+    GProp_GProps volume;
+    BRepGProp::VolumeProperties(shape, volume);
+    const gp_Pnt centre = volume.CentreOfMass();
+    solid.volume_mm3 += volume.Mass();
+    moment += volume.Mass() * Vec3(centre.X(), centre.Y(), centre.Z());
+  }
+  solid.centroid_mm = moment / solid.volume_mm3;
+  for (const Face& face : solid.faces()) solid.area_mm2 += face.area_mm2;
+}
+
+void add_box(Solid& solid) {
+  solid.box_min_mm = solid.box_max_mm = solid.vertices[0];
+  for (const Vec3& p : solid.vertices) {
+    solid.box_min_mm = solid.box_min_mm.cwiseMin(p);
+    solid.box_max_mm = solid.box_max_mm.cwiseMax(p);
+  }
+}
+
+}  // namespace
+
+Result<Solid> solid_from_shape(const TopoDS_Shape& shape, const std::string& place,
+                               const ReadSolidOptions& options) {
+  if (shape.IsNull()) return bad_input(place + ": the model is empty; it must hold at least one solid body");
+  std::vector<TopoDS_Solid> shapes = distinct_solids(shape);
+  if (shapes.empty()) {
+    return bad_input(place + ": no solid body in it, only surfaces or curves; export the part as a solid");
+  }
+  for (TopoDS_Solid& solid : shapes) {
+    if (is_open(solid)) {
+      return bad_input(place +
+                       ": a solid is open, faces are missing; repair it in the CAD system and export again");
+    }
+    BRepLib::OrientClosedSolid(solid);
+    solid = merge_split_faces(solid);
+    if (!(volume_mm3(solid) > 0)) {
+      return bad_input(place + ": a solid has no volume; repair it in the CAD system and export again");
+    }
+  }
+
+  Solid solid;
+  solid.solids = static_cast<int>(shapes.size());
+  ListedFaces faces = list_faces(shapes);
+  solid.list = faces.list;
+  add_mass_properties(shapes, solid);
+  if (!tessellate(faces, options.tessellation_mm, solid)) {
+    solid.warnings.push_back(place +
+                             ": the triangles of the model do not close; rays may leak through its edges");
+  }
+  if (solid.triangles.empty()) return bad_input(place + ": the model could not be meshed; check its faces");
+  add_box(solid);
+  return solid;
+}
+
+}  // namespace tetragauge

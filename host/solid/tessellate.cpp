@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/solid/tessellate.hpp"
+
+#include <BRepMesh_IncrementalMesh.hxx>
+#include <BRepTools.hxx>
+#include <BRep_Builder.hxx>
+#include <BRep_Tool.hxx>
+#include <Poly_Triangulation.hxx>
+#include <TopLoc_Location.hxx>
+#include <TopoDS_Compound.hxx>
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+namespace tetragauge {
+namespace {
+
+// Small radii get at least 18 chords a turn, whatever the deviation allows: ray candidates need a shape.
+constexpr double kAngularDeflection_rad = 0.35;
+
+struct Triangle {
+  std::array<Vec3, 3> corners;
+  uint32_t face;
+};
+
+bool less(const Vec3& a, const Vec3& b) {
+  return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+}
+
+std::vector<Triangle> triangles_of(const TopoDS_Face& shape, uint32_t face) {
+  TopLoc_Location location;
+  const Handle(Poly_Triangulation) mesh = BRep_Tool::Triangulation(shape, location);
+  std::vector<Triangle> triangles;
+  if (mesh.IsNull()) return triangles;
+  const gp_Trsf& T = location.Transformation();
+  const bool is_reversed = (shape.Orientation() == TopAbs_REVERSED) != T.IsNegative();
+  for (int i = 1; i <= mesh->NbTriangles(); ++i) {
+    int a = 0, b = 0, c = 0;
+    mesh->Triangle(i).Get(a, b, c);
+    if (is_reversed) std::swap(b, c);
+    Triangle triangle{{}, face};
+    size_t k = 0;
+    for (const int node : {a, b, c}) {
+      const gp_Pnt p = mesh->Node(node).Transformed(T);
+      triangle.corners[k++] = Vec3(p.X(), p.Y(), p.Z());
+    }
+    // Each triangle begins at its least corner, so that equal triangles have equal bytes.
+    std::rotate(triangle.corners.begin(),
+                std::min_element(triangle.corners.begin(), triangle.corners.end(), less),
+                triangle.corners.end());
+    triangles.push_back(triangle);
+  }
+  std::stable_sort(triangles.begin(), triangles.end(), [](const Triangle& a, const Triangle& b) {
+    return std::lexicographical_compare(a.corners.begin(), a.corners.end(), b.corners.begin(),
+                                        b.corners.end(), less);
+  });
+  return triangles;
+}
+
+// Corners that two faces hold of one point of their common edge differ by rounding at most.
+constexpr double kWeld_mm = 1e-7;
+
+// Numbers the corners: index of the representative for each.
+std::vector<uint32_t> weld(const std::vector<Vec3>& corners, std::vector<Vec3>& vertices) {
+  std::vector<size_t> order(corners.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return less(corners[a], corners[b]); });
+  std::vector<uint32_t> index(corners.size());
+  vertices.clear();
+  for (const size_t i : order) {
+    const Vec3& p = corners[i];
+    // Candidates lie at the end of the sorted list, within the weld distance in x.
+    bool is_known = false;
+    for (size_t j = vertices.size(); j-- > 0 && p.x() - vertices[j].x() <= kWeld_mm;) {
+      if ((p - vertices[j]).cwiseAbs().maxCoeff() > kWeld_mm) continue;
+      index[i] = static_cast<uint32_t>(j);
+      is_known = true;
+      break;
+    }
+    if (is_known) continue;
+    index[i] = static_cast<uint32_t>(vertices.size());
+    vertices.push_back(p);
+  }
+  return index;
+}
+
+bool is_closed(const std::vector<std::array<uint32_t, 3>>& triangles) {
+  std::map<std::pair<uint32_t, uint32_t>, int> balance;
+  for (const auto& t : triangles) {
+    for (size_t k = 0; k < 3; ++k) {
+      const uint32_t a = t[k], b = t[(k + 1) % 3];
+      balance[std::minmax(a, b)] += a < b ? 1 : -1;
+    }
+  }
+  return std::all_of(balance.begin(), balance.end(), [](const auto& edge) { return edge.second == 0; });
+}
+
+}  // namespace
+
+bool tessellate(const ListedFaces& faces, double chordal_deviation_mm, Solid& solid) {
+  BRep_Builder builder;
+  TopoDS_Compound all;
+  builder.MakeCompound(all);
+  for (const TopoDS_Face& face : faces.shapes) builder.Add(all, face);
+  BRepTools::Clean(all);
+  const BRepMesh_IncrementalMesh mesh(all, chordal_deviation_mm, false, kAngularDeflection_rad, false);
+
+  std::vector<Triangle> triangles;
+  bool is_complete = true;
+  for (size_t i = 0; i < faces.shapes.size(); ++i) {
+    const std::vector<Triangle> own = triangles_of(faces.shapes[i], static_cast<uint32_t>(i));
+    is_complete &= !own.empty();
+    triangles.insert(triangles.end(), own.begin(), own.end());
+  }
+  std::vector<Vec3> corners;
+  for (const Triangle& t : triangles) corners.insert(corners.end(), t.corners.begin(), t.corners.end());
+  const std::vector<uint32_t> index = weld(corners, solid.vertices);
+  for (size_t i = 0; i < triangles.size(); ++i) {
+    const std::array<uint32_t, 3> t{index[3 * i], index[3 * i + 1], index[3 * i + 2]};
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
+    solid.triangles.push_back(t);
+    solid.triangle_face.push_back(triangles[i].face);
+  }
+  return is_complete && is_closed(solid.triangles);
+}
+
+}  // namespace tetragauge
