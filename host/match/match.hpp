@@ -17,14 +17,15 @@ namespace tetragauge {
 
 struct MatchOptions {
   bool is_unsigned = false;  // normals do not tell the side of the material
-  double max_offset_mm = 0;  // 0: from the data (measured covariance, part size)
-  double max_angle_rad = 0;  // 0: from the data
+  double max_offset_mm = 0;  // farther from its place a face is not that face; 0: 1.5 % of the part's size
+  double max_angle_rad = 0;  // the same for its direction; 0: 3.5 degrees
 };
 
 struct FacePair {
   int model = 0, measured = 0;  // ids
   double offset_mm = 0;         // measured minus model, at the model face's centroid, + = excess material
   double angle_rad = 0;
+  bool used_in_pose = true;  // false: out of place or tilted, so the pose was fitted without it
 };
 
 struct EquivalentPose {
@@ -42,11 +43,13 @@ struct Match {
   RigidTransform T_model_part;  // p_model = T_model_part * p_part
   Mat6 covariance =
       Mat6::Zero();  // left perturbation rx ry rz tx ty tz about the part's centroid, rad and mm
-  double rms_mm = 0;
-  std::vector<FacePair> pairs;                           // ascending model id
+  Vec3 centroid_mm = Vec3::Zero();  // the part's centroid, model frame: the pivot of the covariance
+  double rms_mm = 0;                // across the faces the pose was fitted to
+  std::vector<FacePair> pairs;      // ascending model id
   std::vector<int> unmatched_model, unmatched_measured;  // ids, ascending
   std::vector<EquivalentPose> equivalents;
   std::vector<FreeDirection> undetermined;
+  size_t poses_compared = 0;  // full poses (rotation and translation) that were scored
 };
 
 // Lists alone: no rays, no raw points. Works on model lists read from .hsp too.

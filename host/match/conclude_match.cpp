@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <set>
+
+#include "host/match/free_directions.hpp"
+#include "host/match/rank_poses.hpp"
+
+namespace tetragauge {
+namespace {
+
+// Whether the motion maps each plane of the model onto one with the same area (and centroid, where known).
+bool is_symmetry(const PlaneSet& model, const RigidTransform& motion, bool is_unsigned) {
+  const double near_mm = 1e-3 * model.size_mm;
+  return std::all_of(model.planes.begin(), model.planes.end(), [&](const MatchPlane& face) {
+    const Vec3 normal = motion.R * face.normal;
+    const Vec3 point = motion * face.point_mm;
+    return std::any_of(model.planes.begin(), model.planes.end(), [&](const MatchPlane& image) {
+      const double cosine = image.normal.dot(normal);
+      return (is_unsigned ? std::abs(cosine) : cosine) > 1 - 1e-6 &&
+             std::abs(image.normal.dot(point) - image.d_mm) < near_mm &&
+             std::abs(image.area_mm2 - face.area_mm2) < 0.01 * face.area_mm2 &&
+             (!model.has_centroids || (image.point_mm - point).norm() < near_mm);
+    });
+  });
+}
+
+std::string reason(const PlaneSet& model, const RigidTransform& other, const RigidTransform& chosen,
+                   bool is_unsigned, double cost_difference) {
+  // Free of the noise in the pose, the motion between two poses of a symmetric part is a symmetry; it is
+  // tested within a thousandth of the part.
+  const RigidTransform motion = other * chosen.inverse();
+  const Eigen::AngleAxisd turn(motion.R);
+  std::array<char, 200> text{};
+  if (is_symmetry(model, motion, is_unsigned)) {
+    std::snprintf(text.data(), text.size(),
+                  "the part is symmetric: turned by %.1f degrees about (%.3f, %.3f, %.3f) it is the same",
+                  turn.angle() * 180 / std::numbers::pi, turn.axis().x() + 0.0, turn.axis().y() + 0.0,
+                  turn.axis().z() + 0.0);
+  } else {
+    std::snprintf(text.data(), text.size(),
+                  "no measured face tells it apart: turned by %.1f degrees about (%.3f, %.3f, %.3f), misfit "
+                  "differs by %.1f (%.0f would decide)",
+                  turn.angle() * 180 / std::numbers::pi, turn.axis().x() + 0.0, turn.axis().y() + 0.0,
+                  turn.axis().z() + 0.0, cost_difference, kSameCost);
+  }
+  return text.data();
+}
+
+// Where, along the model's normal through the model face's centroid, the measured plane lies.
+double offset_at_model_centroid(const PlaneSet& model, const MatchPlane& face, const PlaneObservation& seen,
+                                const RigidTransform& T) {
+  const Vec3 normal = T.R * seen.covariance.u.cross(seen.covariance.v);
+  if (!model.has_centroids) return plane_residual(seen, T)[0];
+  return normal.dot(T * seen.point_mm - face.point_mm) / normal.dot(face.normal);
+}
+
+}  // namespace
+
+Match conclude_match(const PlaneSet& model, const PlaneSet& measured, const SearchGates& gates,
+                     const RankedPoses& ranked) {
+  // Among poses of equal cost (a symmetric part's differ by rounding only) the one nearest to no rotation.
+  size_t chosen = 0;
+  const auto angle = [&](size_t k) { return rotation_angle(ranked.poses[k].pose.T_model_part.R); };
+  for (size_t k = 1; k < ranked.poses.size(); ++k)
+    if (ranked.poses[k].cost < ranked.poses[0].cost + 1 && angle(k) < angle(chosen) - 1e-3) chosen = k;
+  const RankedPose& best = ranked.poses[chosen];
+
+  Match match;
+  match.T_model_part = best.pose.T_model_part;
+  match.covariance = best.pose.covariance;
+  match.centroid_mm = model.centroid_mm;
+  match.rms_mm = best.pose.rms_mm;
+  match.poses_compared = ranked.compared;
+
+  const std::vector<PlaneObservation> seen = observations(model, measured, best.pairs);
+  std::set<int> model_ids(model.other_ids.begin(), model.other_ids.end());
+  std::set<int> measured_ids(measured.other_ids.begin(), measured.other_ids.end());
+  for (const MatchPlane& face : model.planes) model_ids.insert(face.id);
+  for (const MatchPlane& face : measured.planes) measured_ids.insert(face.id);
+  std::vector<Vec3> normals;
+  Vec3 point = Vec3::Zero();
+  for (size_t k = 0; k < best.pairs.size(); ++k) {
+    const MatchPlane& face = model.planes[best.pairs[k].model];
+    FacePair pair;
+    pair.model = face.id;
+    pair.measured = measured.planes[best.pairs[k].measured].id;
+    pair.offset_mm = offset_at_model_centroid(model, face, seen[k], match.T_model_part);
+    const Vec3 residual = plane_residual(seen[k], match.T_model_part);
+    pair.angle_rad = std::hypot(residual[1], residual[2]);
+    pair.used_in_pose = best.pose.used[k];
+    match.pairs.push_back(pair);
+    model_ids.erase(pair.model);
+    measured_ids.erase(pair.measured);
+    normals.push_back(face.normal);
+    point += (match.T_model_part * seen[k].point_mm) / static_cast<double>(best.pairs.size());
+  }
+  std::sort(match.pairs.begin(), match.pairs.end(), [](const FacePair& a, const FacePair& b) {
+    return std::tie(a.model, a.measured) < std::tie(b.model, b.measured);
+  });
+  match.unmatched_model.assign(model_ids.begin(), model_ids.end());
+  match.unmatched_measured.assign(measured_ids.begin(), measured_ids.end());
+  match.undetermined = free_directions(normals, point);
+  for (size_t k = 0; k < ranked.poses.size(); ++k) {
+    if (k == chosen) continue;
+    const RigidTransform& other = ranked.poses[k].pose.T_model_part;
+    match.equivalents.push_back({other, reason(model, other, match.T_model_part, gates.is_unsigned,
+                                               std::abs(ranked.poses[k].cost - best.cost))});
+  }
+  return match;
+}
+
+}  // namespace tetragauge

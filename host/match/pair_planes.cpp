@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/match/pair_planes.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+namespace tetragauge {
+namespace {
+
+// Whether the measured patch may lie on the model face, by where its centroid is. If it is the share f of the
+// face, the centroids of the two are at most (1 - f) of the part's size apart: the whole is the weighted mean
+// of the patch and the rest. Without knowing the faces' outlines no more can be said.
+bool may_lie_on(const MatchPlane& face, const MatchPlane& seen, double distance_mm, double size_mm) {
+  const double share = seen.area_mm2 / (kAreaSlack * face.area_mm2);
+  if (share > 1) return true;  // it covers other faces of the plane too
+  return distance_mm <
+         (1.1 - share) * size_mm;  // a tenth for patches seen in part, whose centroid is uncertain
+}
+
+// A measured face with more than this multiple of all the model's area on the plane is another thing: the
+// table under the part, or a part in another unit.
+constexpr double kMostArea = 2;
+
+// Projector onto the directions in which the measured planes say where the part is; where they leave it free
+// a centroid tells nothing. With one line of normals the spin is free too, and nothing is left.
+Mat3 bounded_directions(const PlaneSet& measured, const RigidTransform& T) {
+  Mat3 spread = Mat3::Zero();
+  for (const MatchPlane& seen : measured.planes) {
+    const Vec3 normal = T.R * seen.normal;
+    spread += normal * normal.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(spread);
+  if (eigen.eigenvalues()[1] < 0.01) return Mat3::Zero();
+  Mat3 projector = Mat3::Identity();
+  const Vec3 free = eigen.eigenvectors().col(0);
+  if (eigen.eigenvalues()[0] < 0.01) projector -= free * free.transpose();
+  return projector;
+}
+
+struct Fit {
+  PlanePair pair;
+  double offset_mm = 0;
+  double misfit = 0;  // in gates, squared
+};
+
+}  // namespace
+
+std::vector<PlanePair> pair_planes(const PlaneSet& model, const PlaneSet& measured, const RigidTransform& T,
+                                   const SearchGates& gates, double fragment_mm) {
+  std::vector<Fit> fits;
+  const double least_cosine = std::cos(gates.angle_rad);
+  const Mat3 bounded = bounded_directions(measured, T);
+  const bool areas_known = model.has_areas && measured.has_areas;
+  const bool located = areas_known && model.has_centroids && measured.has_centroids;
+  for (size_t j = 0; j < measured.planes.size(); ++j) {
+    const Vec3 point = T * measured.planes[j].point_mm;
+    const Vec3 normal = T.R * measured.planes[j].normal;
+    Fit best;
+    best.misfit = 2;
+    double best_distance = 0;
+    int best_group = -1;
+    for (size_t i = 0; i < model.planes.size(); ++i) {
+      const MatchPlane& face = model.planes[i];
+      const double cosine = face.normal.dot(normal);
+      const bool flipped = gates.is_unsigned && cosine < 0;
+      if ((flipped ? -cosine : cosine) < least_cosine) continue;
+      if (areas_known &&
+          measured.planes[j].area_mm2 > kMostArea * model.group_area_mm2[static_cast<size_t>(face.group)])
+        continue;
+      const double offset = face.normal.dot(point) - face.d_mm;
+      if (std::abs(offset) > gates.offset_mm) continue;
+      const double turn = face.normal.cross(normal).norm() / gates.angle_rad;
+      const double misfit = std::pow(offset / gates.offset_mm, 2) + turn * turn;
+      const double distance = (point - face.point_mm).norm();
+      const double bounded_distance = (bounded * (point - face.point_mm)).norm();
+      if (located && !may_lie_on(face, measured.planes[j], bounded_distance, model.size_mm)) continue;
+      const bool same_plane = face.group == best_group;
+      const bool nearer = model.has_centroids && measured.has_centroids && distance < best_distance;
+      if (same_plane ? nearer : misfit < best.misfit) {
+        best = {{i, j, flipped}, offset, misfit};
+        best_distance = distance;
+        best_group = face.group;
+      }
+    }
+    if (best_group >= 0) fits.push_back(best);
+  }
+  std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) {
+    return std::tie(a.pair.model, a.misfit) < std::tie(b.pair.model, b.misfit);
+  });
+  std::vector<PlanePair> pairs;
+  for (size_t k = 0; k < fits.size();) {
+    const Fit& best = fits[k];
+    const size_t first = pairs.size();
+    for (; k < fits.size() && fits[k].pair.model == best.pair.model; ++k)
+      if (&fits[k] == &best || std::abs(fits[k].offset_mm - best.offset_mm) <= fragment_mm)
+        pairs.push_back(fits[k].pair);
+    std::sort(pairs.begin() + static_cast<std::ptrdiff_t>(first), pairs.end(),
+              [](const PlanePair& a, const PlanePair& b) { return a.measured < b.measured; });
+  }
+  return pairs;
+}
+
+std::vector<PlaneObservation> observations(const PlaneSet& model, const PlaneSet& measured,
+                                           const std::vector<PlanePair>& pairs) {
+  std::vector<PlaneObservation> out;
+  out.reserve(pairs.size());
+  for (const PlanePair& pair : pairs)
+    out.push_back(observe(model.planes[pair.model], measured.planes[pair.measured], pair.flipped));
+  return out;
+}
+
+double pose_cost(const PlaneSet& model, const PlaneSet& measured, const RigidTransform& T,
+                 const std::vector<PlanePair>& pairs, double scatter_mm, double scatter_rad) {
+  double largest_mm2 = 0;
+  for (const MatchPlane& seen : measured.planes) largest_mm2 = std::max(largest_mm2, seen.area_mm2);
+  // A face of a fiftieth of the largest one's area counts half: it may well be an artefact.
+  const auto weight = [&](double area_mm2) { return area_mm2 / (area_mm2 + 0.02 * largest_mm2); };
+
+  double cost = 0;
+  for (const MatchPlane& seen : measured.planes) cost += kFaceCost * weight(seen.area_mm2);
+  std::vector<double> on_plane_mm2(model.group_area_mm2.size(), 0.0);
+  for (const PlanePair& pair : pairs) {
+    const MatchPlane& seen = measured.planes[pair.measured];
+    const PlaneObservation observed = observe(model.planes[pair.model], seen, pair.flipped);
+    Mat3 covariance = observed.covariance.matrix;
+    covariance(0, 0) += scatter_mm * scatter_mm;
+    covariance(1, 1) += scatter_rad * scatter_rad;
+    covariance(2, 2) += scatter_rad * scatter_rad;
+    const Vec3 r = plane_residual(observed, T);
+    const double q = std::min(kFaceCost, r.dot(covariance.ldlt().solve(r)));
+    cost -= (kFaceCost - q) * weight(seen.area_mm2);
+    on_plane_mm2[static_cast<size_t>(model.planes[pair.model].group)] += seen.area_mm2;
+  }
+  if (model.has_areas && measured.has_areas) {
+    for (size_t g = 0; g < on_plane_mm2.size(); ++g) {
+      // From a quarter to a half more than the model has: what nobody would measure by chance.
+      const double excess = on_plane_mm2[g] / model.group_area_mm2[g] - kAreaSlack;
+      if (excess > 0) cost += kFaceCost * std::min(1.0, excess / 0.25) * weight(on_plane_mm2[g]);
+    }
+  }
+  return cost;
+}
+
+}  // namespace tetragauge

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Which measured face is which model face, in a given pose, and what the pose leaves unexplained.
+#pragma once
+
+#include <vector>
+
+#include "host/match/refine_pose.hpp"
+#include "host/match/search_poses.hpp"
+
+namespace tetragauge {
+
+struct PlanePair {
+  size_t model = 0, measured = 0;  // indices into PlaneSet::planes
+  bool flipped = false;            // the measured normal points into the material (unsigned lists)
+};
+
+// At most one pair per measured face, ascending by model, then measured. The plane decides; among patches of
+// one plane the nearest centroid. Several measured faces on one model face are kept as its fragments only if
+// they agree on where it is within `fragment_mm`; otherwise the best fitting one has it.
+std::vector<PlanePair> pair_planes(const PlaneSet& model, const PlaneSet& measured,
+                                   const RigidTransform& T_model_part, const SearchGates& gates,
+                                   double fragment_mm);
+
+std::vector<PlaneObservation> observations(const PlaneSet& model, const PlaneSet& measured,
+                                           const std::vector<PlanePair>& pairs);
+
+// The most a single face can say against a pose: four standard deviations, squared.
+inline constexpr double kFaceCost = 16;
+
+// Sum over the measured faces of min(r' C^-1 r, kFaceCost), r the offset and tilts on the paired model face
+// and C their covariance with the given scatter; kFaceCost where there is none, or where the faces of one
+// plane have more area than the model. Small faces count for less. The difference of two poses is a
+// log-likelihood ratio, times two.
+double pose_cost(const PlaneSet& model, const PlaneSet& measured, const RigidTransform& T_model_part,
+                 const std::vector<PlanePair>& pairs, double scatter_mm, double scatter_rad);
+
+}  // namespace tetragauge

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The planes of a face list, as the match sees them: unit normal, a point on the plane, area, covariance, and
+// which of them lie on one plane or share a direction.
+#pragma once
+
+#include <vector>
+
+#include "host/geometry/face.hpp"
+
+namespace tetragauge {
+
+struct MatchPlane {
+  int id = 0;                    // of the face
+  Vec3 normal = Vec3::Zero();    // unit
+  double d_mm = 0;               // normal . x = d
+  Vec3 point_mm = Vec3::Zero();  // on the plane: the face's centroid, or the point nearest the plane centre
+  double area_mm2 = 0;           // 1 for every face of a list without areas
+  bool has_covariance = false;
+  PlaneCovariance covariance;  // always with u and v; matrix is zero where nothing is known
+  int group = 0;               // faces on one plane share it
+  int direction = 0;           // index into PlaneSet::directions
+};
+
+struct PlaneDirection {
+  Vec3 normal = Vec3::Zero();  // unit, area-weighted mean
+  double area_mm2 = 0;
+};
+
+struct PlaneSet {
+  std::vector<MatchPlane> planes;
+  std::vector<PlaneDirection> directions;  // by area, descending
+  std::vector<double> group_area_mm2;
+  std::vector<int> other_ids;  // faces that are no planes, ascending
+  bool has_centroids = true;   // false: the list (.hsp) names planes and areas only
+  bool has_areas = true;
+  double area_mm2 = 0;              // of the planes
+  double size_mm = 0;               // about the diagonal of the part's box
+  Vec3 centroid_mm = Vec3::Zero();  // area-weighted mean of the points
+};
+
+// Faces whose normals differ by less than `direction_rad` from that of a larger face share its direction.
+PlaneSet plane_set(const FaceList& list, double direction_rad);
+
+}  // namespace tetragauge

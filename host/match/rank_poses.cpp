@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/match/rank_poses.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tetragauge {
+namespace {
+
+// Poses that explain less than this share of what the best one does cannot win on the details.
+constexpr double kKeep = 0.75;
+constexpr size_t kMostPoses = 300;
+
+RankedPose refined(const PlaneSet& model, const PlaneSet& measured, const SearchGates& gates,
+                   const RigidTransform& start) {
+  RankedPose out;
+  out.pose.T_model_part = start;
+  double fragment_mm = gates.offset_mm;
+  for (int pass = 0; pass < 2; ++pass) {
+    out.pairs = pair_planes(model, measured, out.pose.T_model_part, gates, fragment_mm);
+    if (out.pairs.empty()) return out;
+    out.pose = refine_pose(observations(model, measured, out.pairs), out.pose.T_model_part, model.centroid_mm,
+                           model.size_mm);
+    fragment_mm = std::min(gates.offset_mm, std::max(4 * out.pose.scatter_mm, 0.05 * gates.offset_mm));
+  }
+  return out;
+}
+
+// As the search counts it, but for the pairs that are left after a look at the centroids.
+double explained_mm2(const PlaneSet& model, const PlaneSet& measured, const RankedPose& pose,
+                     const SearchGates& gates) {
+  double total = 0;
+  for (const PlanePair& pair : pose.pairs) {
+    const MatchPlane& seen = measured.planes[pair.measured];
+    const Vec3 r =
+        plane_residual(observe(model.planes[pair.model], seen, pair.flipped), pose.pose.T_model_part);
+    const double offset = r[0] / gates.offset_mm, turn = std::hypot(r[1], r[2]) / gates.angle_rad;
+    total += seen.area_mm2 * std::max(0.0, (1 - offset * offset) * (1 - turn * turn));
+  }
+  return total;
+}
+
+bool same_pairs(const std::vector<PlanePair>& a, const std::vector<PlanePair>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const PlanePair& x, const PlanePair& y) {
+    return x.model == y.model && x.measured == y.measured && x.flipped == y.flipped;
+  });
+}
+
+bool same_pose(const RankedPose& a, const RankedPose& b, const Vec3& part_centroid,
+               const SearchGates& gates) {
+  if (same_pairs(a.pairs, b.pairs)) return true;
+  const RigidTransform &A = a.pose.T_model_part, &B = b.pose.T_model_part;
+  return rotation_angle(A.R * B.R.transpose()) < 0.3 * gates.angle_rad &&
+         (A * part_centroid - B * part_centroid).norm() < 0.3 * gates.offset_mm;
+}
+
+}  // namespace
+
+SearchGates search_gates(const PlaneSet& model, const MatchOptions& options) {
+  SearchGates gates;
+  gates.is_unsigned = options.is_unsigned;
+  gates.offset_mm = options.max_offset_mm > 0 ? options.max_offset_mm : 0.015 * model.size_mm;
+  gates.angle_rad = options.max_angle_rad > 0 ? options.max_angle_rad : kDefaultMaxAngle_rad;
+  return gates;
+}
+
+Result<PlaneSet> model_planes(const FaceList& model) {
+  // A tenth of a degree: what one drawing would not call the same direction is not.
+  PlaneSet planes = plane_set(model, 1.75e-3);
+  if (planes.planes.empty())
+    return bad_input("the model has no planar face to match (" + std::to_string(model.faces.size()) +
+                     " faces in all); give a model with planes");
+  return planes;
+}
+
+Result<PlaneSet> measured_planes(const FaceList& measured) {
+  PlaneSet planes = plane_set(measured, kDefaultMaxAngle_rad / 4);
+  if (planes.planes.empty())
+    return undecided_error("no planar face was measured (" + std::to_string(measured.faces.size()) +
+                           " faces in all); scan more of the part or at a finer pitch");
+  return planes;
+}
+
+Error no_pose_error(const PlaneSet& model, const PlaneSet& measured) {
+  return undecided_error("no pose explains the measured faces (" + std::to_string(measured.planes.size()) +
+                         " planes measured, " + std::to_string(model.planes.size()) +
+                         " in the model); is this the part's model, and are both in the same unit?");
+}
+
+RankedPoses rank_poses(const PlaneSet& model, const PlaneSet& measured, const SearchGates& gates,
+                       double within) {
+  RankedPoses out;
+  std::vector<PoseCandidate> candidates = search_poses(model, measured, gates, kKeep);
+  out.compared = candidates.size();
+  if (candidates.size() > kMostPoses) candidates.resize(kMostPoses);
+  for (const PoseCandidate& candidate : candidates) {
+    RankedPose pose = refined(model, measured, gates, candidate.T_model_part);
+    if (!pose.pairs.empty()) out.poses.push_back(std::move(pose));
+  }
+  if (out.poses.empty()) return out;
+
+  // All poses are judged with one scatter: that of the pose that explains most, then that of the cheapest.
+  size_t best = 0;
+  for (size_t k = 1; k < out.poses.size(); ++k)
+    if (explained_mm2(model, measured, out.poses[k], gates) >
+        explained_mm2(model, measured, out.poses[best], gates))
+      best = k;
+  for (int pass = 0; pass < 2; ++pass) {
+    const double scatter_mm = out.poses[best].pose.scatter_mm, scatter_rad = out.poses[best].pose.scatter_rad;
+    for (RankedPose& pose : out.poses)
+      pose.cost = pose_cost(model, measured, pose.pose.T_model_part, pose.pairs, scatter_mm, scatter_rad);
+    best = 0;
+    for (size_t k = 1; k < out.poses.size(); ++k)
+      if (out.poses[k].cost < out.poses[best].cost) best = k;
+  }
+  const double limit = out.poses[best].cost + within;
+  std::stable_sort(out.poses.begin(), out.poses.end(),
+                   [](const RankedPose& a, const RankedPose& b) { return a.cost < b.cost; });
+  std::vector<RankedPose> kept;
+  for (RankedPose& pose : out.poses) {
+    if (pose.cost >= limit) break;
+    if (std::none_of(kept.begin(), kept.end(), [&](const RankedPose& other) {
+          return same_pose(pose, other, measured.centroid_mm, gates);
+        }))
+      kept.push_back(std::move(pose));
+  }
+  out.poses = std::move(kept);
+  return out;
+}
+
+}  // namespace tetragauge

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Truncated least squares by graduated non-convexity (Yang et al., IEEE RA-L 5 (2020) 1127, eq. 12-14):
+// starts convex, where every face has a say, and ends where a face out of place has none. Plain least squares
+// would spread one face's 0.4 mm over all the others.
+#include "host/match/refine_pose.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace tetragauge {
+namespace {
+
+constexpr double kChi2_3_999 = 16.27;  // 99.9 % of chi-square with 3 degrees of freedom: offset and two tilts
+constexpr double kChi2_1_median = 0.4549;
+
+using Rows = Eigen::Matrix<double, 3, 6>;
+
+struct Linear {
+  Vec3 residual;
+  Rows jacobian;
+};
+
+// delta = (turn about the pivot, shift), applied from the left in the model frame.
+Linear linearise(const PlaneObservation& seen, const RigidTransform& T, const Vec3& pivot) {
+  Linear out;
+  out.residual = plane_residual(seen, T);
+  const Vec3 arm = T * seen.point_mm - pivot;
+  const Vec3 u = T.R * seen.covariance.u, v = T.R * seen.covariance.v;
+  out.jacobian << arm.cross(seen.model_normal).transpose(), seen.model_normal.transpose(),  //
+      u.transpose(), Eigen::RowVector3d::Zero(),                                            //
+      v.transpose(), Eigen::RowVector3d::Zero();
+  return out;
+}
+
+Mat3 information(const PlaneObservation& seen, double scatter_mm, double scatter_rad) {
+  Mat3 covariance = seen.covariance.matrix;
+  covariance(0, 0) += scatter_mm * scatter_mm;
+  covariance(1, 1) += scatter_rad * scatter_rad;
+  covariance(2, 2) += scatter_rad * scatter_rad;
+  return covariance.ldlt().solve(Mat3::Identity());
+}
+
+RigidTransform moved(const RigidTransform& T, const Vec6& step, const Vec3& pivot) {
+  const Vec3 turn = step.head<3>();
+  const double angle = turn.norm();
+  const Mat3 R = angle > 0 ? Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() : Mat3::Identity();
+  return RigidTransform{R, pivot + step.tail<3>() - R * pivot} * T;
+}
+
+class Fit {
+ public:
+  Fit(const std::vector<PlaneObservation>& seen, const RigidTransform& start, const Vec3& pivot, double size)
+      : seen_(seen), pivot_(pivot), size_mm_(size), weight_(seen.size(), 1.0) {
+    result_.T_model_part = start;
+    double smallest_mm2 = 0, smallest_rad2 = 0;
+    for (const PlaneObservation& o : seen) {
+      smallest_mm2 += o.covariance.matrix(0, 0);
+      smallest_rad2 += o.covariance.matrix(1, 1);
+    }
+    // Without uncertainties of their own the faces need some: a ten-thousandth of the part.
+    const double floor = smallest_mm2 > 0 && smallest_rad2 > 0 ? 1e-7 : 1e-4;
+    floor_mm_ = floor * size;
+    floor_rad_ = 2 * floor;
+  }
+
+  RefinedPose run() {
+    estimate_scatter(true);
+    for (int i = 0; i < 8; ++i) {  // towards the median rather than the mean, before anything is left out
+      for (size_t k = 0; k < seen_.size(); ++k) weight_[k] = 1 / std::sqrt(1 + cost(k));
+      step();
+      estimate_scatter(true);
+    }
+    for (int round = 0; round < 3; ++round) {
+      graduate();
+      keep_rank();
+      const double before_mm = result_.scatter_mm, before_rad = result_.scatter_rad;
+      estimate_scatter(false);
+      if (std::abs(before_mm - result_.scatter_mm) < 0.05 * before_mm &&
+          std::abs(before_rad - result_.scatter_rad) < 0.05 * before_rad)
+        break;
+    }
+    for (int i = 0; i < 3; ++i) step();
+    conclude();
+    return std::move(result_);
+  }
+
+ private:
+  double cost(size_t k) const {
+    const Vec3 r = plane_residual(seen_[k], result_.T_model_part);
+    return r.dot(information(seen_[k], result_.scatter_mm, result_.scatter_rad) * r);
+  }
+
+  Mat6 normal_equations(Vec6* right) const {
+    Mat6 normal = Mat6::Zero();
+    for (size_t k = 0; k < seen_.size(); ++k) {
+      if (weight_[k] <= 0) continue;
+      const Linear row = linearise(seen_[k], result_.T_model_part, pivot_);
+      const Mat3 W = weight_[k] * information(seen_[k], result_.scatter_mm, result_.scatter_rad);
+      normal += row.jacobian.transpose() * W * row.jacobian;
+      if (right) *right -= row.jacobian.transpose() * W * row.residual;
+    }
+    return normal;
+  }
+
+  // Solves along the directions that the faces determine, and leaves the free ones alone. Turns are measured
+  // by the arc they make on the part, so that the six are comparable.
+  static Mat6 pseudo_inverse(const Mat6& normal, double arm_mm) {
+    Vec6 unit;
+    unit << Vec3::Constant(1 / arm_mm), Vec3::Ones();
+    const Mat6 scaled = unit.asDiagonal() * normal * unit.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Mat6> eigen(scaled);
+    Vec6 inverse = Vec6::Zero();
+    for (int i = 0; i < 6; ++i)
+      if (eigen.eigenvalues()[i] > 1e-10 * eigen.eigenvalues()[5]) inverse[i] = 1 / eigen.eigenvalues()[i];
+    return unit.asDiagonal() *
+           (eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose()) *
+           unit.asDiagonal();
+  }
+
+  void step() {
+    Vec6 right = Vec6::Zero();
+    const Mat6 normal = normal_equations(&right);
+    result_.T_model_part =
+        moved(result_.T_model_part, pseudo_inverse(normal, 0.3 * size_mm_) * right, pivot_);
+  }
+
+  struct Deviation {
+    double square, own_variance;
+  };
+
+  // Scatter of the faces beyond their own uncertainty: what must be added to their variances so that their
+  // squared deviations are 1 on average. `robust`: judged by the median, with the small-sample factor of
+  // Rousseeuw and Leroy, Robust Regression and Outlier Detection (1987), p. 202; otherwise over the faces
+  // kept.
+  void estimate_scatter(bool robust) {
+    std::vector<Deviation> offsets, tilts;
+    for (size_t k = 0; k < seen_.size(); ++k) {
+      if (!robust && weight_[k] < 0.5) continue;
+      const Vec3 r = plane_residual(seen_[k], result_.T_model_part);
+      const Mat3& own = seen_[k].covariance.matrix;
+      offsets.push_back({r[0] * r[0], own(0, 0)});
+      // The mean of two squares has its median at ln 2 of a variance.
+      tilts.push_back({0.5 * (r[1] * r[1] + r[2] * r[2]), 0.5 * (own(1, 1) + own(2, 2))});
+    }
+    result_.scatter_mm = scatter(offsets, robust, 3, kChi2_1_median, floor_mm_);
+    result_.scatter_rad = scatter(tilts, robust, 1.5, std::log(2.0), floor_rad_);
+  }
+
+  static double scatter(const std::vector<Deviation>& deviations, bool robust, double parameters,
+                        double median, double floor) {
+    const double freedom = static_cast<double>(deviations.size()) - parameters;
+    if (freedom < 0.5) return floor;
+    std::vector<double> squares(deviations.size());
+    const auto statistic = [&](double added) {
+      for (size_t k = 0; k < squares.size(); ++k)
+        squares[k] = deviations[k].square / (deviations[k].own_variance + added * added);
+      if (!robust) return std::accumulate(squares.begin(), squares.end(), 0.0) / freedom;
+      // The parameters can make as many residuals vanish: the median is taken of the others.
+      const auto at =
+          squares.begin() + static_cast<std::ptrdiff_t>(
+                                std::min(static_cast<double>(squares.size() - 1), parameters + freedom / 2));
+      std::nth_element(squares.begin(), at, squares.end());
+      const double inflate = 1 + 5 / std::max(1.0, freedom);
+      return inflate * inflate * *at / median;
+    };
+    // So much above 1 is chance in a handful of faces.
+    if (statistic(floor) < 1 + 3 / std::sqrt(freedom)) return floor;
+    double low = floor, high = 2 * floor;
+    while (statistic(high) > 1) high *= 2;
+    for (int i = 0; i < 40 && high - low > 1e-3 * low; ++i) {
+      const double middle = 0.5 * (low + high);
+      (statistic(middle) > 1 ? low : high) = middle;
+    }
+    return high;
+  }
+
+  void graduate() {
+    std::fill(weight_.begin(), weight_.end(), 1.0);
+    step();
+    double largest = 0;
+    for (size_t k = 0; k < seen_.size(); ++k) largest = std::max(largest, cost(k));
+    if (largest <= kChi2_3_999) return;
+    double mu = kChi2_3_999 / (2 * largest - kChi2_3_999);
+    for (int i = 0; i < 100; ++i, mu *= 1.4) {
+      bool hard = true;
+      for (size_t k = 0; k < seen_.size(); ++k) {
+        const double q = cost(k);
+        if (q >= (mu + 1) / mu * kChi2_3_999) {
+          weight_[k] = 0;
+        } else if (q <= mu / (mu + 1) * kChi2_3_999) {
+          weight_[k] = 1;
+        } else {
+          weight_[k] = std::sqrt(kChi2_3_999 / q * mu * (mu + 1)) - mu;
+          hard = false;
+        }
+      }
+      step();
+      if (hard && mu > 1) break;
+    }
+    for (double& w : weight_) w = w > 0.5 ? 1 : 0;
+    step();
+  }
+
+  // Two faces alone along a direction whose distance is wrong are both left out, and nothing would hold the
+  // part there. Then both come back, with what they disagree by as their uncertainty.
+  void keep_rank() {
+    const auto rank = [&](bool all) {
+      Mat3 normals = Mat3::Zero();
+      for (size_t k = 0; k < seen_.size(); ++k)
+        if (all || weight_[k] > 0) normals += seen_[k].model_normal * seen_[k].model_normal.transpose();
+      return normals;
+    };
+    const Eigen::SelfAdjointEigenSolver<Mat3> all(rank(true)), kept(rank(false));
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vec3 free = kept.eigenvectors().col(axis);
+      if (kept.eigenvalues()[axis] > 1e-4) continue;
+      for (size_t k = 0; k < seen_.size(); ++k) {
+        if (std::abs(seen_[k].model_normal.dot(free)) < 0.05 || weight_[k] > 0) continue;
+        const double q = cost(k);
+        weight_[k] = q > 1 ? 1 / q : 1;
+      }
+    }
+    for (int i = 0; i < 3; ++i) step();
+  }
+
+  void conclude() {
+    result_.covariance = pseudo_inverse(normal_equations(nullptr), 0.3 * size_mm_);
+    double sum = 0, count = 0;
+    result_.used.resize(seen_.size());
+    for (size_t k = 0; k < seen_.size(); ++k) {
+      result_.used[k] = weight_[k] > 0;
+      if (!result_.used[k]) continue;
+      const double offset = plane_residual(seen_[k], result_.T_model_part)[0];
+      sum += offset * offset;
+      ++count;
+    }
+    result_.rms_mm = count > 0 ? std::sqrt(sum / count) : 0;
+  }
+
+  const std::vector<PlaneObservation>& seen_;
+  Vec3 pivot_;
+  double size_mm_;
+  double floor_mm_ = 0, floor_rad_ = 0;
+  std::vector<double> weight_;
+  RefinedPose result_;
+};
+
+}  // namespace
+
+Vec3 plane_residual(const PlaneObservation& seen, const RigidTransform& T) {
+  const double offset = seen.model_normal.dot(T * seen.point_mm) - seen.model_d_mm;
+  const Vec3 u = T.R * seen.covariance.u, v = T.R * seen.covariance.v;
+  // A turn by w takes the model's normal to the measured one, m = n + w x n; so w . u = n . v, w . v = -n .
+  // u.
+  return {offset, seen.model_normal.dot(v), -seen.model_normal.dot(u)};
+}
+
+PlaneObservation observe(const MatchPlane& model, const MatchPlane& measured, bool flipped) {
+  PlaneObservation out;
+  out.model_normal = model.normal;
+  out.model_d_mm = model.d_mm;
+  out.point_mm = measured.point_mm;
+  out.covariance = measured.covariance;
+  const bool opposite = out.covariance.u.cross(out.covariance.v).dot(measured.normal) < 0;
+  if (flipped !=
+      opposite) {  // v turns with the normal, and with it the signs of offset and of the tilt about v
+    out.covariance.v = -out.covariance.v;
+    const Vec3 sign(-1, 1, -1);
+    out.covariance.matrix = sign.asDiagonal() * out.covariance.matrix * sign.asDiagonal();
+  }
+  return out;
+}
+
+RefinedPose refine_pose(const std::vector<PlaneObservation>& observations, const RigidTransform& start,
+                        const Vec3& pivot_mm, double size_mm) {
+  return Fit(observations, start, pivot_mm, size_mm).run();
+}
+
+}  // namespace tetragauge

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/match/search_poses.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tetragauge {
+namespace {
+
+// Area that a rotation can explain that was built from no pair among the first `count` directions: all but
+// those, and of those only what lies along one line.
+double most_unseen_mm2(const PlaneSet& measured, size_t count) {
+  double first = 0, longest_line = 0;
+  for (size_t i = 0; i < count; ++i) {
+    first += measured.directions[i].area_mm2;
+    double line = 0;
+    for (size_t k = 0; k < count; ++k)
+      if (std::abs(measured.directions[i].normal.dot(measured.directions[k].normal)) > 0.99)
+        line += measured.directions[k].area_mm2;
+    longest_line = std::max(longest_line, line);
+  }
+  return measured.area_mm2 - first + longest_line;
+}
+
+}  // namespace
+
+std::vector<PoseCandidate> search_poses(const PlaneSet& model, const PlaneSet& measured,
+                                        const SearchGates& gates, double keep) {
+  std::vector<PoseCandidate> found;
+  const size_t all = measured.directions.size();
+  for (size_t count = std::min<size_t>(all, 5);; count = std::min(all, 2 * count)) {
+    found.clear();
+    double best = 0;
+    for (const RotationCandidate& rotation : search_rotations(model, measured, count, gates)) {
+      const double least = std::max(keep * best, 1e-3 * measured.area_mm2);
+      if (rotation.explained_mm2 < least) break;
+      for (const PoseCandidate& pose : search_translations(model, measured, rotation.R, gates, least)) {
+        best = std::max(best, pose.explained_mm2);
+        found.push_back(pose);
+      }
+    }
+    std::erase_if(found, [&](const PoseCandidate& pose) { return pose.explained_mm2 < keep * best; });
+    // Complete when no pose built from other directions could come near the best one.
+    if (count == all || most_unseen_mm2(measured, count) < keep * best) break;
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.explained_mm2 > b.explained_mm2; });
+  return found;
+}
+
+}  // namespace tetragauge

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Once the rotation stands, a pair of faces (model i, measured j) says only where the part lies along the
+// model normal, so the explained area is a sum of functions of one variable, one for each line of normals:
+// E(t) = sum_k S_k(u_k . t). Three lines fix t; a branch-and-bound over the peaks of the S_k finds every t
+// above a bound, because what the remaining lines can still add is known (the sum of their highest peaks).
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "host/match/search_poses.hpp"
+
+namespace tetragauge {
+namespace {
+
+struct Term {
+  double shift_mm;  // u . t that puts measured face j on model face i
+  double weight_mm2;
+  int measured, group;
+};
+
+struct Peak {
+  double shift_mm, explained_mm2;
+};
+
+class Line {
+ public:
+  Vec3 u = Vec3::Zero();
+  std::vector<Term> terms;  // by shift
+  std::vector<Peak> peaks;  // by explained area, descending
+
+  double explained(double shift_mm, double gate_mm, const PlaneSet& model) const {
+    struct Best {
+      int measured, group;
+      double weight;
+    };
+    thread_local std::vector<Best> best;
+    best.clear();
+    auto term = std::lower_bound(terms.begin(), terms.end(), shift_mm - gate_mm,
+                                 [](const Term& a, double s) { return a.shift_mm < s; });
+    for (; term != terms.end() && term->shift_mm <= shift_mm + gate_mm; ++term) {
+      const double share = (term->shift_mm - shift_mm) / gate_mm;
+      const double weight = term->weight_mm2 * (1 - share * share);
+      const auto same =
+          std::find_if(best.begin(), best.end(), [&](const Best& b) { return b.measured == term->measured; });
+      if (same == best.end()) {
+        best.push_back({term->measured, term->group, weight});
+      } else if (weight > same->weight) {
+        *same = {term->measured, term->group, weight};
+      }
+    }
+    double total = 0;
+    for (size_t i = 0; i < best.size(); ++i) {  // capped by the model's area on each plane
+      double sum = 0;
+      bool first = true;
+      for (size_t k = 0; k < best.size(); ++k) {
+        if (best[k].group != best[i].group) continue;
+        if (k < i) first = false;
+        sum += best[k].weight;
+      }
+      if (first)
+        total += std::min(sum, kAreaSlack * model.group_area_mm2[static_cast<size_t>(best[i].group)]);
+    }
+    return total;
+  }
+
+  void find_peaks(double gate_mm, const PlaneSet& model) {
+    std::sort(terms.begin(), terms.end(), [](const Term& a, const Term& b) {
+      return std::tie(a.shift_mm, a.measured, a.group) < std::tie(b.shift_mm, b.measured, b.group);
+    });
+    std::vector<Peak> all;
+    for (const Term& term : terms) all.push_back({term.shift_mm, explained(term.shift_mm, gate_mm, model)});
+    std::stable_sort(all.begin(), all.end(),
+                     [](const Peak& a, const Peak& b) { return a.explained_mm2 > b.explained_mm2; });
+    for (const Peak& peak : all) {
+      const bool near = std::any_of(peaks.begin(), peaks.end(), [&](const Peak& other) {
+        return std::abs(other.shift_mm - peak.shift_mm) < 0.4 * gate_mm;
+      });
+      if (!near) peaks.push_back(peak);
+    }
+  }
+};
+
+class BranchAndBound {
+ public:
+  BranchAndBound(const PlaneSet& model, const PlaneSet& measured, const Mat3& R, const SearchGates& gates,
+                 double at_least_mm2)
+      : model_(model), measured_(measured), R_(R), gates_(gates), bound_mm2_(at_least_mm2) {
+    collect_lines();
+    rest_mm2_.assign(lines_.size() + 1, 0.0);
+    for (size_t k = lines_.size(); k-- > 0;)
+      rest_mm2_[k] = rest_mm2_[k + 1] + lines_[k].peaks.front().explained_mm2;
+  }
+
+  std::vector<PoseCandidate> run() {
+    Fixed none;
+    descend(0, 0, none);
+    std::stable_sort(found_.begin(), found_.end(),
+                     [](const auto& a, const auto& b) { return a.explained_mm2 > b.explained_mm2; });
+    return std::move(found_);
+  }
+
+ private:
+  struct Fixed {
+    int rank = 0;
+    std::array<Vec3, 3> axis{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  // orthonormal
+    std::array<double, 3> shift{};                                       // axis . t
+  };
+
+  void collect_lines() {
+    const double least_cosine = std::cos(gates_.angle_rad);
+    for (const MatchPlane& face : model_.planes) {
+      for (size_t j = 0; j < measured_.planes.size(); ++j) {
+        const MatchPlane& seen = measured_.planes[j];
+        const Vec3 turned = R_ * seen.normal;
+        const double cosine =
+            gates_.is_unsigned ? std::abs(turned.dot(face.normal)) : turned.dot(face.normal);
+        if (cosine < least_cosine) continue;
+        const double share = std::acos(std::min(1.0, cosine)) / gates_.angle_rad;
+        Line& line = line_along(face.normal);
+        const double sense = line.u.dot(face.normal) > 0 ? 1 : -1;
+        line.terms.push_back({sense * (face.d_mm - face.normal.dot(R_ * seen.point_mm)),
+                              seen.area_mm2 * (1 - share * share), static_cast<int>(j), face.group});
+      }
+    }
+    for (Line& line : lines_) line.find_peaks(gates_.offset_mm, model_);
+    std::stable_sort(lines_.begin(), lines_.end(), [](const Line& a, const Line& b) {
+      return a.peaks.front().explained_mm2 > b.peaks.front().explained_mm2;
+    });
+  }
+
+  Line& line_along(const Vec3& normal) {
+    for (Line& line : lines_)
+      if (std::abs(line.u.dot(normal)) > 1 - 1e-8) return line;
+    lines_.emplace_back();
+    lines_.back().u = normal;
+    return lines_.back();
+  }
+
+  void descend(size_t k, double gained_mm2, const Fixed& fixed) {
+    if (fixed.rank == 3 || k == lines_.size()) {
+      finish(fixed);
+      return;
+    }
+    const Line& line = lines_[k];
+    Vec3 across = line.u;
+    double along = 0;  // u . t as far as it is fixed
+    for (int i = 0; i < fixed.rank; ++i) {
+      const double share = fixed.axis[static_cast<size_t>(i)].dot(line.u);
+      across -= share * fixed.axis[static_cast<size_t>(i)];
+      along += share * fixed.shift[static_cast<size_t>(i)];
+    }
+    const double rest = across.norm();
+    if (rest < 0.05) {  // within 3 degrees of what is fixed: it can only agree or not
+      descend(k + 1, gained_mm2 + line.peaks.front().explained_mm2, fixed);
+      return;
+    }
+    for (const Peak& peak : line.peaks) {
+      if (gained_mm2 + peak.explained_mm2 + rest_mm2_[k + 1] < bound_mm2_) break;
+      Fixed next = fixed;
+      next.axis[static_cast<size_t>(fixed.rank)] = across / rest;
+      next.shift[static_cast<size_t>(fixed.rank)] = (peak.shift_mm - along) / rest;
+      next.rank = fixed.rank + 1;
+      descend(k + 1, gained_mm2 + peak.explained_mm2, next);
+    }
+    // Every face along this line may be an extra one.
+    if (gained_mm2 + rest_mm2_[k + 1] >= bound_mm2_) descend(k + 1, gained_mm2, fixed);
+  }
+
+  void finish(const Fixed& fixed) {
+    if (fixed.rank == 0) return;
+    Vec3 t = unbounded_part(fixed);
+    for (int i = 0; i < fixed.rank; ++i)
+      t += fixed.shift[static_cast<size_t>(i)] * fixed.axis[static_cast<size_t>(i)];
+    double explained = 0;
+    for (const Line& line : lines_) explained += line.explained(line.u.dot(t), gates_.offset_mm, model_);
+    if (explained < bound_mm2_) return;
+    for (PoseCandidate& other : found_) {
+      if ((other.T_model_part.t - t).norm() < 0.5 * gates_.offset_mm) {
+        if (explained > other.explained_mm2) other = {{R_, t}, explained};
+        return;
+      }
+    }
+    found_.push_back({{R_, t}, explained});
+  }
+
+  // Along directions that no face bounds: centroid on centroid.
+  Vec3 unbounded_part(const Fixed& fixed) const {
+    Vec3 t = model_.centroid_mm - R_ * measured_.centroid_mm;
+    for (int i = 0; i < fixed.rank; ++i)
+      t -= fixed.axis[static_cast<size_t>(i)] * fixed.axis[static_cast<size_t>(i)].dot(t);
+    return t;
+  }
+
+  const PlaneSet& model_;
+  const PlaneSet& measured_;
+  Mat3 R_;
+  SearchGates gates_;
+  double bound_mm2_;
+  std::vector<Line> lines_;
+  std::vector<double> rest_mm2_;  // most that lines k.. can explain
+  std::vector<PoseCandidate> found_;
+};
+
+}  // namespace
+
+std::vector<PoseCandidate> search_translations(const PlaneSet& model, const PlaneSet& measured, const Mat3& R,
+                                               const SearchGates& gates, double at_least_mm2) {
+  return BranchAndBound(model, measured, R, gates, at_least_mm2).run();
+}
+
+}  // namespace tetragauge
