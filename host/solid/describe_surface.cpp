@@ -98,8 +98,9 @@ void describe_torus(const gp_Torus& torus, const Sample& sample, Face& face) {
 
 }  // namespace
 
-Face describe_surface(const TopoDS_Face& shape) {
-  Face face;
+DescribedFace describe_surface(const TopoDS_Face& shape) {
+  DescribedFace described;
+  Face& face = described.face;
   GProp_GProps properties;
   BRepGProp::SurfaceProperties(shape, properties);
   face.area_mm2 = std::abs(properties.Mass());
@@ -122,12 +123,13 @@ Face describe_surface(const TopoDS_Face& shape) {
       break;
     case GeomAbs_Torus:
       describe_torus(surface.Torus(), sample, face);
+      described.minor_radius_mm = surface.Torus().MinorRadius();
       break;
     default:
       face.type = SurfaceType::other;
       break;
   }
-  return face;
+  return described;
 }
 
 }  // namespace tetragauge

@@ -8,7 +8,11 @@
 
 namespace tetragauge {
 
-// Ids and neighbours are left to the caller.
-Face describe_surface(const TopoDS_Face& face);
+struct DescribedFace {
+  Face face;                   // ids and neighbours are left to the caller
+  double minor_radius_mm = 0;  // torus
+};
+
+DescribedFace describe_surface(const TopoDS_Face& face);
 
 }  // namespace tetragauge

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The faces of solids: type, outward equation, area, centroid, neighbours, in canonical order.
+// The faces of solids: type, outward equation, area, centroid, neighbours, in canonical order. Patches of one
+// surface that share an edge are one face, however the exporter or a Boolean has split it: they are merged in
+// the list and left alone in the shape, where merging them has been seen to damage the body
+// (ShapeUpgrade_UnifySameDomain on countersinks and fillets).
 #pragma once
 
 #include <TopoDS_Face.hxx>
@@ -12,7 +15,7 @@ namespace tetragauge {
 
 struct ListedFaces {
   FaceList list;
-  std::vector<TopoDS_Face> shapes;  // shapes[i] is list.faces[i], oriented as in its solid
+  std::vector<std::vector<TopoDS_Face>> patches;  // of list.faces[i], oriented as in their solid
 };
 
 // The order depends on geometry alone, not on the order in the file.

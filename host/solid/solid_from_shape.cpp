@@ -5,7 +5,7 @@
 #include <BRepLib.hxx>
 #include <BRep_Tool.hxx>
 #include <GProp_GProps.hxx>
-#include <ShapeUpgrade_UnifySameDomain.hxx>
+#include <ShapeUpgrade_ShapeDivideClosed.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
@@ -16,6 +16,7 @@
 
 #include "host/solid/list_faces.hpp"
 #include "host/solid/tessellate.hpp"
+#include "host/solid/turn_wires.hpp"
 
 namespace tetragauge {
 namespace {
@@ -50,19 +51,6 @@ double volume_mm3(const TopoDS_Shape& shape) {
   return properties.Mass();
 }
 
-// Faces of one surface that touch become one face. Merging must not change the body: if it does, the faces
-// stay as they are.
-TopoDS_Solid merge_split_faces(const TopoDS_Solid& solid) {
-  ShapeUpgrade_UnifySameDomain unify(solid, true, true, false);
-  unify.Build();
-  TopExp_Explorer found(unify.Shape(), TopAbs_SOLID);
-  if (!found.More()) return solid;
-  const TopoDS_Solid merged = TopoDS::Solid(found.Current());
-  const double before = volume_mm3(solid);
-  const bool is_same = !is_open(merged) && std::abs(volume_mm3(merged) - before) <= 1e-6 * std::abs(before);
-  return is_same ? merged : solid;
-}
-
 void add_mass_properties(const std::vector<TopoDS_Solid>& shapes, Solid& solid) {
   Vec3 moment = Vec3::Zero();
   for (const TopoDS_Solid& shape : shapes) {
@@ -84,12 +72,25 @@ void add_box(Solid& solid) {
   }
 }
 
+// BRepMesh gives up on some full turns of a cone; halves of them it can do. The list of faces puts the halves
+// together again.
+std::vector<TopoDS_Solid> divide_full_turns(const std::vector<TopoDS_Solid>& solids) {
+  std::vector<TopoDS_Solid> divided;
+  for (const TopoDS_Solid& solid : solids) {
+    ShapeUpgrade_ShapeDivideClosed divide(solid);
+    divide.Perform();
+    TopExp_Explorer found(divide.Result(), TopAbs_SOLID);
+    divided.push_back(found.More() ? TopoDS::Solid(found.Current()) : solid);
+  }
+  return divided;
+}
+
 }  // namespace
 
 Result<Solid> solid_from_shape(const TopoDS_Shape& shape, const std::string& place,
                                const ReadSolidOptions& options) {
   if (shape.IsNull()) return bad_input(place + ": the model is empty; it must hold at least one solid body");
-  std::vector<TopoDS_Solid> shapes = distinct_solids(shape);
+  std::vector<TopoDS_Solid> shapes = distinct_solids(turn_wires(shape));
   if (shapes.empty()) {
     return bad_input(place + ": no solid body in it, only surfaces or curves; export the part as a solid");
   }
@@ -99,7 +100,6 @@ Result<Solid> solid_from_shape(const TopoDS_Shape& shape, const std::string& pla
                        ": a solid is open, faces are missing; repair it in the CAD system and export again");
     }
     BRepLib::OrientClosedSolid(solid);
-    solid = merge_split_faces(solid);
     if (!(volume_mm3(solid) > 0)) {
       return bad_input(place + ": a solid has no volume; repair it in the CAD system and export again");
     }
@@ -110,11 +110,22 @@ Result<Solid> solid_from_shape(const TopoDS_Shape& shape, const std::string& pla
   ListedFaces faces = list_faces(shapes);
   solid.list = faces.list;
   add_mass_properties(shapes, solid);
-  if (!tessellate(faces, options.tessellation_mm, solid)) {
+  Tessellation tessellation = tessellate(faces, options.tessellation_mm);
+  if (!tessellation.is_complete) {
+    faces = list_faces(divide_full_turns(shapes));
+    solid.list = faces.list;
+    tessellation = tessellate(faces, options.tessellation_mm);
+  }
+  if (tessellation.triangles.empty()) {
+    return bad_input(place + ": the model could not be meshed; check its faces in the CAD system");
+  }
+  if (!tessellation.is_closed || !tessellation.is_complete) {
     solid.warnings.push_back(place +
                              ": the triangles of the model do not close; rays may leak through its edges");
   }
-  if (solid.triangles.empty()) return bad_input(place + ": the model could not be meshed; check its faces");
+  solid.vertices = std::move(tessellation.vertices);
+  solid.triangles = std::move(tessellation.triangles);
+  solid.triangle_face = std::move(tessellation.triangle_face);
   add_box(solid);
   return solid;
 }

@@ -27,11 +27,11 @@ bool less(const Vec3& a, const Vec3& b) {
   return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
 }
 
-std::vector<Triangle> triangles_of(const TopoDS_Face& shape, uint32_t face) {
+// Appends the triangles of one patch; false if it has none.
+bool add_triangles(const TopoDS_Face& shape, uint32_t face, std::vector<Triangle>& triangles) {
   TopLoc_Location location;
   const Handle(Poly_Triangulation) mesh = BRep_Tool::Triangulation(shape, location);
-  std::vector<Triangle> triangles;
-  if (mesh.IsNull()) return triangles;
+  if (mesh.IsNull() || mesh->NbTriangles() == 0) return false;
   const gp_Trsf& T = location.Transformation();
   const bool is_reversed = (shape.Orientation() == TopAbs_REVERSED) != T.IsNegative();
   for (int i = 1; i <= mesh->NbTriangles(); ++i) {
@@ -50,11 +50,13 @@ std::vector<Triangle> triangles_of(const TopoDS_Face& shape, uint32_t face) {
                 triangle.corners.end());
     triangles.push_back(triangle);
   }
-  std::stable_sort(triangles.begin(), triangles.end(), [](const Triangle& a, const Triangle& b) {
-    return std::lexicographical_compare(a.corners.begin(), a.corners.end(), b.corners.begin(),
-                                        b.corners.end(), less);
-  });
-  return triangles;
+  return true;
+}
+
+bool is_before(const Triangle& a, const Triangle& b) {
+  if (a.face != b.face) return a.face < b.face;
+  return std::lexicographical_compare(a.corners.begin(), a.corners.end(), b.corners.begin(), b.corners.end(),
+                                      less);
 }
 
 // Corners that two faces hold of one point of their common edge differ by rounding at most.
@@ -98,31 +100,35 @@ bool is_closed(const std::vector<std::array<uint32_t, 3>>& triangles) {
 
 }  // namespace
 
-bool tessellate(const ListedFaces& faces, double chordal_deviation_mm, Solid& solid) {
+Tessellation tessellate(const ListedFaces& faces, double chordal_deviation_mm) {
   BRep_Builder builder;
   TopoDS_Compound all;
   builder.MakeCompound(all);
-  for (const TopoDS_Face& face : faces.shapes) builder.Add(all, face);
+  for (const std::vector<TopoDS_Face>& patches : faces.patches) {
+    for (const TopoDS_Face& patch : patches) builder.Add(all, patch);
+  }
   BRepTools::Clean(all);
   const BRepMesh_IncrementalMesh mesh(all, chordal_deviation_mm, false, kAngularDeflection_rad, false);
 
+  Tessellation result;
   std::vector<Triangle> triangles;
-  bool is_complete = true;
-  for (size_t i = 0; i < faces.shapes.size(); ++i) {
-    const std::vector<Triangle> own = triangles_of(faces.shapes[i], static_cast<uint32_t>(i));
-    is_complete &= !own.empty();
-    triangles.insert(triangles.end(), own.begin(), own.end());
+  for (size_t i = 0; i < faces.patches.size(); ++i) {
+    for (const TopoDS_Face& patch : faces.patches[i]) {
+      result.is_complete &= add_triangles(patch, static_cast<uint32_t>(i), triangles);
+    }
   }
+  std::stable_sort(triangles.begin(), triangles.end(), is_before);
   std::vector<Vec3> corners;
   for (const Triangle& t : triangles) corners.insert(corners.end(), t.corners.begin(), t.corners.end());
-  const std::vector<uint32_t> index = weld(corners, solid.vertices);
+  const std::vector<uint32_t> index = weld(corners, result.vertices);
   for (size_t i = 0; i < triangles.size(); ++i) {
     const std::array<uint32_t, 3> t{index[3 * i], index[3 * i + 1], index[3 * i + 2]};
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
-    solid.triangles.push_back(t);
-    solid.triangle_face.push_back(triangles[i].face);
+    result.triangles.push_back(t);
+    result.triangle_face.push_back(triangles[i].face);
   }
-  return is_complete && is_closed(solid.triangles);
+  result.is_closed = is_closed(result.triangles);
+  return result;
 }
 
 }  // namespace tetragauge

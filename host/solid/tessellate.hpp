@@ -7,7 +7,14 @@
 
 namespace tetragauge {
 
-// Fills vertices, triangles and triangle_face of `solid`. Returns false if the triangles do not close.
-bool tessellate(const ListedFaces& faces, double chordal_deviation_mm, Solid& solid);
+struct Tessellation {
+  std::vector<Vec3> vertices;  // mm
+  std::vector<std::array<uint32_t, 3>> triangles;
+  std::vector<uint32_t> triangle_face;
+  bool is_complete = true;  // every face has triangles
+  bool is_closed = true;    // every edge is run as often one way as the other
+};
+
+Tessellation tessellate(const ListedFaces& faces, double chordal_deviation_mm);
 
 }  // namespace tetragauge
