@@ -4,12 +4,45 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/match/free_directions.hpp"
+
 namespace tetragauge {
 namespace {
 
 // Poses that explain less than this share of what the best one does cannot win on the details.
 constexpr double kKeep = 0.75;
 constexpr size_t kMostPoses = 300;
+
+// A face alone along its direction fits there whatever it is; one that is also tilted beyond belief (an extra
+// face that happens to lie within the gates) would pin the part where nothing holds it. True if any went.
+bool drop_unsupported(const PlaneSet& model, const PlaneSet& measured, RankedPose& pose) {
+  std::vector<Vec3> believed;
+  std::vector<bool> doubtful;
+  for (const PlanePair& pair : pose.pairs) {
+    const PlaneObservation seen =
+        observe(model.planes[pair.model], measured.planes[pair.measured], pair.flipped);
+    const Vec3 r = plane_residual(seen, pose.pose.T_model_part);
+    const double added = pose.pose.scatter_rad * pose.pose.scatter_rad;
+    const double tilt = r[1] * r[1] / (seen.covariance.matrix(1, 1) + added) +
+                        r[2] * r[2] / (seen.covariance.matrix(2, 2) + added);
+    doubtful.push_back(tilt > kFaceCost);
+    if (!doubtful.back()) believed.push_back(model.planes[pair.model].normal);
+  }
+  if (believed.empty()) return false;
+  const std::vector<FreeDirection> free = free_directions(believed, Vec3::Zero());
+  std::vector<PlanePair> kept;
+  for (size_t k = 0; k < pose.pairs.size(); ++k) {
+    const Vec3& normal = model.planes[pose.pairs[k].model].normal;
+    const bool alone = std::any_of(free.begin(), free.end(), [&](const FreeDirection& direction) {
+      return direction.kind == FreeDirection::Kind::translation &&
+             std::abs(direction.axis.dot(normal)) > 0.01;
+    });
+    if (!(doubtful[k] && alone)) kept.push_back(pose.pairs[k]);
+  }
+  const bool dropped = kept.size() < pose.pairs.size();
+  pose.pairs = std::move(kept);
+  return dropped;
+}
 
 RankedPose refined(const PlaneSet& model, const PlaneSet& measured, const SearchGates& gates,
                    const RigidTransform& start) {
@@ -23,6 +56,9 @@ RankedPose refined(const PlaneSet& model, const PlaneSet& measured, const Search
                            model.size_mm);
     fragment_mm = std::min(gates.offset_mm, std::max(4 * out.pose.scatter_mm, 0.05 * gates.offset_mm));
   }
+  if (drop_unsupported(model, measured, out))
+    out.pose = refine_pose(observations(model, measured, out.pairs), out.pose.T_model_part, model.centroid_mm,
+                           model.size_mm);
   return out;
 }
 
