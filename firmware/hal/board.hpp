@@ -70,6 +70,9 @@ concept Board = requires(B board, const B& constant, uint64_t time_ns, int16_t c
 
   { board.read(in, bytes) } -> std::same_as<size_t>;    // takes what came, up to bytes
   { board.write(out, bytes) } -> std::same_as<size_t>;  // takes what fits, returns how many
+  {
+    board.mask_interrupts(on)
+    } -> std::same_as<void>;  // alarm, samples, interlock, step timers; never nested
   { board.kick_watchdog() } -> std::same_as<void>;
 };
 

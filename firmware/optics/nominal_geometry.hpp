@@ -40,10 +40,10 @@ constexpr MachineGeometry<Scalar> nominal_geometry() {
   galvo.beam_direction = narrowed<Scalar>(-side);
   galvo.a_point = narrowed<Scalar>(head + up * kMirrorSeparationMm);
   galvo.beam_point = narrowed<Scalar>(head + up * kMirrorSeparationMm + side * 30.0);
-  galvo.a_axis = narrowed<Scalar>(forward);
+  galvo.a_axis = narrowed<Scalar>(-forward);
   galvo.a_normal = narrowed<Scalar>((side - up) * kSqrtHalf);
   galvo.b_point = narrowed<Scalar>(head);
-  galvo.b_axis = narrowed<Scalar>(-side);
+  galvo.b_axis = narrowed<Scalar>(side);
   galvo.b_normal = narrowed<Scalar>((forward + up) * kSqrtHalf);
   // 8 urad of mirror angle is 16 urad of beam (galvanometer repeatability, docs/machine.md).
   galvo.direction_sigma_rad = static_cast<Scalar>(16e-6);

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// The smallest board, in memory and virtual time, for the firmware's own tests: cameras that see an ideal
+// matt plate by firmware/optics itself (so it tests the machine's behaviour, not its accuracy: the emulated
+// board does that).
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "firmware/hal/board.hpp"
+#include "firmware/optics/galvo.hpp"
+#include "firmware/optics/nominal_geometry.hpp"
+#include "firmware/optics/psd_camera.hpp"
+#include "protocol/machine.pb.h"
+
+namespace tetragauge {
+
+class FakeBoard {
+ public:
+  static constexpr const char* kName = "fake";
+  static constexpr uint32_t kCapabilities = tg_Capability_CAPABILITY_EMULATED;
+  static constexpr uint32_t kSamplePeriodNs = 10'000;
+  static constexpr uint64_t kNever = ~uint64_t{0};
+
+  uint32_t boot_id() const { return 7; }
+  uint64_t now_ns() const { return now; }
+  void set_alarm_ns(uint64_t time_ns) { alarm = time_ns; }
+  void set_mirrors(int16_t a, int16_t b) { mirror_a = a, mirror_b = b; }
+  void set_laser(bool on) {
+    laser = on;
+    if (on) laser_ever_on = true;
+  }
+  void start_samples(PsdSample* samples, uint32_t count) {
+    burst = samples;
+    burst_count = count;
+    burst_end = stuck_converter ? kNever : now + uint64_t{count} * kSamplePeriodNs;
+  }
+  void set_step_alarm_ns(Axis axis, uint64_t time_ns) { step_alarm[static_cast<int>(axis)] = time_ns; }
+  void step(Axis axis, bool up) { position[static_cast<int>(axis)] += up ? 1 : -1; }
+  uint32_t inputs() const {
+    uint32_t bits = needed_inputs;
+    if (position[0] <= table_home) bits |= Inputs::kTableHome;
+    if (position[1] <= slide_home) bits |= Inputs::kSlideHome;
+    if (position[1] <= slide_home - 200) bits |= Inputs::kSlideLimitLow;
+    if (position[1] >= slide_home + 61'000) bits |= Inputs::kSlideLimitHigh;
+    return bits;
+  }
+  size_t read(uint8_t* bytes, size_t capacity) {
+    size_t count = 0;
+    while (count < capacity && !to_machine.empty()) {
+      bytes[count++] = to_machine.front();
+      to_machine.pop_front();
+    }
+    return count;
+  }
+  size_t write(const uint8_t* bytes, size_t count) {
+    const size_t taken = count < line_room ? count : line_room;
+    from_machine.insert(from_machine.end(), bytes, bytes + taken);
+    return taken;
+  }
+  void mask_interrupts(bool) {}
+  void kick_watchdog() { ++kicks; }
+
+  uint64_t now = 0, alarm = kNever, burst_end = kNever, step_alarm[kAxes] = {kNever, kNever};
+  int16_t mirror_a = 0, mirror_b = 0;
+  bool laser = false, laser_ever_on = false, stuck_converter = false;
+  PsdSample* burst = nullptr;
+  uint32_t burst_count = 0;
+  int64_t position[kAxes] = {0, 0};                   // the true one, in steps
+  int64_t table_home = -18'000, slide_home = -1'000;  // the true edge of the switches
+  uint32_t needed_inputs = Inputs::kInterlockClosed | Inputs::kMirrorsGood | Inputs::kLaserGood;
+  std::deque<uint8_t> to_machine;
+  std::vector<uint8_t> from_machine;
+  size_t line_room = 4096;  // taken at each write
+  uint64_t kicks = 0;
+  int ambient_codes = 100, light_codes = 30'000;  // of a whole pair
+  double plate_x_mm = 0;                          // the plate is the plane x = plate_x_mm
+  double camera_1_shift_mm = 0;                   // on the detector: a camera out of place
+
+  void fill_burst() {
+    constexpr MachineGeometry<double> machine = nominal_geometry<double>();
+    const Beam<double> beam = beam_from_mirrors(machine.galvo, mirror_a * kUradPerMirrorCode * 1e-6,
+                                                mirror_b * kUradPerMirrorCode * 1e-6);
+    const double range = (plate_x_mm - beam.origin.x) / beam.direction.x;
+    const Vector3<double> spot = beam.origin + beam.direction * range;
+    for (uint32_t i = 0; i < burst_count; ++i) {
+      for (int c = 0; c < 2; ++c) {
+        bool in_view = false;
+        DetectorPosition<double> at = project(machine.camera[c], spot, &in_view);
+        if (c == 0) at.x_mm += camera_1_shift_mm;
+        const double light = laser && in_view ? light_codes : 0;
+        const double half = machine.camera[c].half_size_mm;
+        const auto code = [&](double share) {
+          const double value = ambient_codes / 2.0 + light * share;
+          return static_cast<int16_t>(value > 32'767 ? 32'767 : value + 0.5);
+        };
+        burst[i].camera[c] = {code(0.5 - at.x_mm / half / 2), code(0.5 + at.x_mm / half / 2),
+                              code(0.5 - at.y_mm / half / 2), code(0.5 + at.y_mm / half / 2)};
+      }
+    }
+  }
+};
+
+static_assert(Board<FakeBoard>);
+
+// Runs a controller on it: the next thing due, once. False when nothing is due until `until_ns`.
+template <class Firmware>
+bool run_next(FakeBoard& board, Firmware& firmware, uint64_t until_ns) {
+  uint64_t due = firmware.next_poll_ns();
+  int what = -1;
+  const auto consider = [&](uint64_t time_ns, int event) {
+    if (time_ns <= due && time_ns != FakeBoard::kNever) {
+      due = time_ns;
+      what = event;
+    }
+  };
+  consider(board.burst_end, 3);
+  consider(board.alarm, 2);
+  consider(board.step_alarm[1], 1);
+  consider(board.step_alarm[0], 0);
+  if (due > until_ns) {
+    board.now = until_ns;
+    return false;
+  }
+  if (due > board.now) board.now = due;
+  switch (what) {
+    case 0:
+    case 1:
+      board.step_alarm[what] = FakeBoard::kNever;
+      firmware.on_step_timer(static_cast<Axis>(what));
+      break;
+    case 2:
+      board.alarm = FakeBoard::kNever;
+      firmware.on_alarm();
+      break;
+    case 3:
+      board.burst_end = FakeBoard::kNever;
+      board.fill_burst();
+      firmware.on_samples();
+      break;
+    default:
+      break;
+  }
+  firmware.poll();
+  return true;
+}
+
+}  // namespace tetragauge

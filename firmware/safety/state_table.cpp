@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware/safety/state_table.hpp"
+
+namespace tetragauge {
+namespace {
+
+constexpr uint32_t bit(tg_State state) {
+  return 1u << state;
+}
+
+constexpr uint32_t kIdle = bit(tg_State_STATE_IDLE), kHoming = bit(tg_State_STATE_HOMING),
+                   kReady = bit(tg_State_STATE_READY), kArmed = bit(tg_State_STATE_ARMED),
+                   kScanning = bit(tg_State_STATE_SCANNING), kPaused = bit(tg_State_STATE_PAUSED),
+                   kFault = bit(tg_State_STATE_FAULT), kEstop = bit(tg_State_STATE_ESTOP);
+constexpr uint32_t kEvery = (1u << kStates) - 1;
+
+struct Row {
+  uint32_t request;
+  uint32_t states;
+};
+constexpr Row kRequests[] = {
+    {tg_HostMessage_hello_tag, kEvery},
+    {tg_HostMessage_get_status_tag, kEvery},
+    {tg_HostMessage_get_config_tag, kEvery},
+    {tg_HostMessage_heartbeat_ack_tag, kEvery},
+    {tg_HostMessage_points_credit_tag, kEvery},
+    {tg_HostMessage_points_resend_tag, kEvery},
+    {tg_HostMessage_clear_fault_tag, kFault | kEstop | kIdle | kReady},
+    {tg_HostMessage_set_config_tag, kIdle | kReady | kArmed},
+    {tg_HostMessage_home_tag, kIdle | kReady | kArmed},
+    {tg_HostMessage_scan_load_tag, kReady | kArmed},
+    {tg_HostMessage_scan_start_tag, kArmed},
+    {tg_HostMessage_scan_pause_tag, kScanning | kPaused},
+    {tg_HostMessage_scan_resume_tag, kPaused | kScanning},
+    {tg_HostMessage_scan_abort_tag, kReady | kArmed | kScanning | kPaused},
+};
+
+// Indexed by the state left.
+constexpr uint32_t kTransitions[kStates] = {
+    /* BOOT     */ kIdle | kFault | kEstop,
+    /* IDLE     */ kHoming | kFault | kEstop,
+    /* HOMING   */ kReady | kFault | kEstop,
+    /* READY    */ kIdle | kHoming | kArmed | kFault | kEstop,
+    /* ARMED    */ kIdle | kHoming | kReady | kScanning | kFault | kEstop,
+    /* SCANNING */ kReady | kPaused | kFault | kEstop,
+    /* PAUSED   */ kReady | kScanning | kFault | kEstop,
+    /* FAULT    */ kIdle | kReady | kEstop,
+    /* ESTOP    */ kIdle | kReady,
+};
+
+}  // namespace
+
+bool request_allowed(tg_State state, uint32_t request) {
+  for (const Row& row : kRequests) {
+    if (row.request == request) return (row.states & bit(state)) != 0;
+  }
+  return false;
+}
+
+bool transition_allowed(tg_State from, tg_State to) {
+  return (kTransitions[from] & bit(to)) != 0;
+}
+
+const char* name_of(tg_State state) {
+  switch (state) {
+    case tg_State_STATE_BOOT:
+      return "BOOT";
+    case tg_State_STATE_IDLE:
+      return "IDLE";
+    case tg_State_STATE_HOMING:
+      return "HOMING";
+    case tg_State_STATE_READY:
+      return "READY";
+    case tg_State_STATE_ARMED:
+      return "ARMED";
+    case tg_State_STATE_SCANNING:
+      return "SCANNING";
+    case tg_State_STATE_PAUSED:
+      return "PAUSED";
+    case tg_State_STATE_FAULT:
+      return "FAULT";
+    case tg_State_STATE_ESTOP:
+      return "ESTOP";
+  }
+  return "unknown";
+}
+
+}  // namespace tetragauge
