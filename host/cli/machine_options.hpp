@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The options that name a machine, real or emulated, and the scan session they lead to.
+#pragma once
+
+#include <string>
+
+#include "host/cli/command.hpp"
+#include "host/scan/scan.hpp"
+#include "host/session/default_plan.hpp"
+#include "host/session/emulated_machine.hpp"
+
+namespace tetragauge::cli {
+
+struct MachineArguments {
+  std::string port, plan;
+  EmulatedMachineOptions emulated;
+  DefaultPlanOptions default_plan;
+  bool keep_table = false;
+
+  void add(CLI::App& command);
+
+  // Usage errors that can be known before a machine is touched.
+  Status check() const;
+  // Opens the machine, scans, closes it. Ctrl-C aborts the machine, laser off, and there is no scan.
+  Result<Scan> scan(const Console& console) const;
+};
+
+}  // namespace tetragauge::cli

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/cli/inspect_options.hpp"
+#include "host/cli/machine_options.hpp"
+
+namespace tetragauge::cli {
+
+void add_measure(CLI::App& app, Console& console, Run& run) {
+  struct Options {
+    InputOptions input;
+    MachineArguments machine;
+    InspectArguments inspect;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      add_command(app, console, "measure", "The main job: scan with a machine, inspect, report", true);
+  options->machine.add(*command);
+  options->input.add_model(*command);
+  options->input.add_unit(*command);
+  options->inspect.add(*command);
+  command->callback([options, &console, &run] {
+    run = [options, &console]() -> Result<int> {
+      if (Status status = options->machine.check(); !status) return status.error();
+      Result<Solid> model = options->input.read_model(console);
+      if (!model) return model.error();
+      Result<Tolerances> tolerances = options->inspect.prepare(*model);
+      if (!tolerances) return tolerances.error();
+      Result<Scan> scan = options->machine.scan(console);
+      if (!scan) return scan.error();
+      const std::string scan_path = (std::filesystem::path(options->inspect.out) / "scan.ply").string();
+      if (Status status = write_scan(scan_path, *scan); !status) return status.error();
+      return options->inspect.run(console, *scan, scan_path, *model, options->input.model, *tolerances);
+    };
+  });
+}
+
+}  // namespace tetragauge::cli

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/cli/input_options.hpp"
+#include "host/cli/machine_options.hpp"
+
+namespace tetragauge::cli {
+
+void add_scan(CLI::App& app, Console& console, Run& run) {
+  struct Options {
+    MachineArguments machine;
+    std::string out;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      add_command(app, console, "scan", "A scan session with a machine: points with rays and sigma", false);
+  options->machine.add(*command);
+  command->add_option("--out", options->out, "Scan file to write")->required()->type_name("SCAN.ply");
+  command->callback([options, &console, &run] {
+    run = [options, &console]() -> Result<int> {
+      if (Status status = options->machine.check(); !status) return status.error();
+      if (Status status = check_can_write(options->out); !status) return status.error();
+      Result<Scan> scan = options->machine.scan(console);
+      if (!scan) return scan.error();
+      if (Status status = write_scan(options->out, *scan); !status) return status.error();
+      console.say(options->out + ": " + std::to_string(scan->size()) + " points");
+      return 0;
+    };
+  });
+}
+
+}  // namespace tetragauge::cli
