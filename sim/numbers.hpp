@@ -45,12 +45,12 @@ struct Numbers {
   double mirror_repeatability_rad = 8e-6;  // rms, mechanical, one draw for each place
   double rad_per_mirror_code = 6e-6;       // mechanical; 16-bit converter
 
-  // Stage: steps of both axes, switches.
-  int32_t table_steps_per_turn = 0;
-  double slide_mm_per_step = 0;
-  int32_t table_home_steps = 0, slide_home_steps = 0;
-  int32_t table_start_steps = 0, slide_start_steps = 0;  // where the axes stand when power comes on
-  int32_t slide_limit_low_steps = 0, slide_limit_high_steps = 0;
+  // Stage: geared to 0.01 degrees and 5 um a step; where the switches close.
+  int32_t table_steps_per_turn = 36'000;
+  double slide_mm_per_step = 0.005;
+  int32_t table_home_steps = -18'100, slide_home_steps = -400;
+  int32_t slide_limit_low_steps = -600, slide_limit_high_steps = 60'400;
+  int32_t table_start_steps = 2'500, slide_start_steps = 3'000;  // where the axes stand when power comes on
 };
 
 }  // namespace tetragauge::sim

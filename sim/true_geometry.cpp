@@ -49,8 +49,8 @@ TrueGeometry nominal_geometry() {
   // Laser from the left onto mirror a, 10 mm above mirror b, which throws the beam forward.
   geometry.laser = {head + 10 * up + 30 * left, -left};
   geometry.mirror_a = {
-      .pivot_mm = head + 10 * up, .axis = forward, .normal_at_zero = (left - up).normalized()};
-  geometry.mirror_b = {.pivot_mm = head, .axis = -left, .normal_at_zero = (forward + up).normalized()};
+      .pivot_mm = head + 10 * up, .axis = -forward, .normal_at_zero = (left - up).normalized()};
+  geometry.mirror_b = {.pivot_mm = head, .axis = left, .normal_at_zero = (forward + up).normalized()};
   const double aside_mm = 350 * std::tan(22.5 * kDegree);
   geometry.cameras[0] = camera_looking(head + aside_mm * left, aim, up);
   geometry.cameras[1] = camera_looking(head - aside_mm * left, aim, up);

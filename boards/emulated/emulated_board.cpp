@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "boards/emulated/emulated_board.hpp"
+
+#include <algorithm>
+
+namespace tetragauge {
+
+EmulatedBoard::EmulatedBoard(sim::World& world, HostLine& line, uint32_t boot_id)
+    : world_(world), line_(line), boot_id_(boot_id) {}
+
+// A burst sees mirrors and laser as they are at each sample's own time, so samples due are taken before a
+// change.
+void EmulatedBoard::take_samples_until_now() {
+  while (burst_taken_ < burst_count_) {
+    const uint64_t time_ns = burst_start_ns_ + uint64_t{burst_taken_ + 1} * kSamplePeriodNs;
+    if (time_ns > now_ns_) return;
+    const sim::World::Sample codes = world_.sample(static_cast<int64_t>(time_ns));
+    PsdSample& out = burst_[burst_taken_++];
+    for (size_t c = 0; c < 2; ++c) out.camera[c] = {codes[c].x1, codes[c].x2, codes[c].y1, codes[c].y2};
+  }
+}
+
+void EmulatedBoard::set_mirrors(int16_t a_code, int16_t b_code) {
+  take_samples_until_now();
+  world_.set_mirrors(a_code, b_code, world_ns());
+}
+
+void EmulatedBoard::set_laser(bool on) {
+  take_samples_until_now();
+  laser_on_ = on;
+  world_.set_laser(on, world_ns());
+}
+
+void EmulatedBoard::start_samples(PsdSample* samples, uint32_t count) {
+  burst_ = samples;
+  burst_count_ = count;
+  burst_taken_ = 0;
+  burst_start_ns_ = now_ns_;
+  burst_end_ns_ = now_ns_ + uint64_t{count} * kSamplePeriodNs;
+}
+
+void EmulatedBoard::step(Axis axis, bool up) {
+  take_samples_until_now();
+  world_.step(axis == Axis::kTable ? sim::Stage::table : sim::Stage::slide, up);
+}
+
+uint32_t EmulatedBoard::inputs() const {
+  const sim::Switches s = world_.switches();
+  return Inputs::kInterlockClosed | Inputs::kMirrorsGood | Inputs::kLaserGood |
+         (s.table_home ? Inputs::kTableHome : 0) | (s.slide_home ? Inputs::kSlideHome : 0) |
+         (s.slide_limit_low ? Inputs::kSlideLimitLow : 0) |
+         (s.slide_limit_high ? Inputs::kSlideLimitHigh : 0);
+}
+
+EmulatedBoard::Due EmulatedBoard::next_event() const {
+  Due first;
+  const auto offer = [&](Event event, uint64_t time_ns) {
+    if (time_ns < first.time_ns) first = {event, time_ns};
+  };
+  offer(Event::table_step, step_alarm_ns_[0]);
+  offer(Event::slide_step, step_alarm_ns_[1]);
+  offer(Event::alarm, alarm_ns_);
+  offer(Event::samples, burst_end_ns_);
+  return first;
+}
+
+void EmulatedBoard::advance_to(uint64_t time_ns) {
+  now_ns_ = std::max(now_ns_, time_ns);
+}
+
+void EmulatedBoard::take(const Due& due) {
+  advance_to(due.time_ns);
+  switch (due.event) {
+    case Event::table_step:
+      step_alarm_ns_[0] = kNever;
+      break;
+    case Event::slide_step:
+      step_alarm_ns_[1] = kNever;
+      break;
+    case Event::alarm:
+      alarm_ns_ = kNever;
+      break;
+    case Event::samples:
+      take_samples_until_now();
+      burst_end_ns_ = kNever;
+      break;
+    case Event::none:
+      break;
+  }
+}
+
+}  // namespace tetragauge

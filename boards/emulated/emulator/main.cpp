@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// tetragauge-emulator: the machine without hardware. The firmware's own code on an emulated board, with a
+// simulated world around it, reached over a socket or a pseudo-terminal.
+#include <signal.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <charconv>
+#include <cstdio>
+#include <optional>
+#include <random>
+#include <string>
+
+#include "boards/emulated/listen.hpp"
+#include "boards/emulated/run_board.hpp"
+#include "host/solid/solid.hpp"
+#include "sim/read_world.hpp"
+
+namespace tetragauge {
+namespace {
+
+std::atomic<bool> stop_asked{false};
+
+void ask_to_stop(int) {
+  stop_asked = true;
+}
+
+struct Options {
+  std::string part, listen = "pty", speed = "max", place, world;
+  uint64_t seed = 1;
+  bool one_host = false;
+};
+
+Result<PaceOptions> pace_of(const std::string& speed) {
+  if (speed == "max") return PaceOptions{};
+  double factor = 0;
+  const auto [end, failure] = std::from_chars(speed.data(), speed.data() + speed.size(), factor);
+  if (failure != std::errc() || end != speed.data() + speed.size() || !(factor > 0 && factor <= 1e6)) {
+    return usage_error("--speed " + speed + ": must be max, or how often faster than real time (1)");
+  }
+  return PaceOptions{.speed = factor};
+}
+
+Status run(const Options& options) {
+  const auto pace = pace_of(options.speed);
+  if (!pace) return pace.error();
+  RigidTransform place;
+  if (!options.place.empty()) {
+    const auto parsed = parse_pose(options.place, "--place");
+    if (!parsed) return parsed.error();
+    place = *parsed;
+  }
+  sim::WorldSetup setup;
+  if (!options.world.empty()) {
+    auto deviating = sim::read_world(options.world, setup);
+    if (!deviating) return deviating.error();
+    setup = *std::move(deviating);
+  }
+  const auto model = read_solid(options.part);
+  if (!model) return model.error();
+  const auto standing = sim::stand_on_table(*model, place, options.part);
+  if (!standing) return standing.error();
+
+  const auto listening = start_listening(options.listen);
+  if (!listening) return listening.error();
+  std::printf("%s\n", listening->device.c_str());
+  std::fflush(stdout);
+
+  HostLine line({.listener_fd = listening->listener_fd, .fd = listening->fd, .one_host = options.one_host});
+  sim::World world(setup, *standing, options.seed);
+  EmulatedBoard board(world, line, std::random_device{}());
+  run_board(board, line, stop_asked, *pace);
+  if (!listening->socket_path.empty()) ::unlink(listening->socket_path.c_str());
+  return Done{};
+}
+
+int emulator_main(int argc, char** argv) {
+  CLI::App app{
+      "tetragauge-emulator: the measuring machine without hardware. Prints the device a host opens."};
+  Options options;
+  app.add_option("--part", options.part, "model of the part as really made (.step .stp .csg)")->required();
+  app.add_option("--listen", options.listen, "unix:PATH, tcp:PORT or pty")->capture_default_str();
+  app.add_option("--speed", options.speed, "max, or virtual seconds per second")->capture_default_str();
+  app.add_option("--seed", options.seed, "of all noise")->capture_default_str();
+  app.add_option("--place", options.place,
+                 "RX,RY,RZ,TX,TY,TZ (degrees, mm): turns the model, stands it on the table, shifts it");
+  app.add_option("--world", options.world, "JSON file of a world that deviates from the nominal one");
+  app.add_flag("--one-host", options.one_host,
+               "end when the first host has gone, or when the program that started this one has");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? 0 : static_cast<int>(ErrorKind::usage);
+  }
+  if (options.one_host) ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  struct sigaction action {};
+  action.sa_handler = ask_to_stop;
+  ::sigaction(SIGTERM, &action, nullptr);
+  ::sigaction(SIGINT, &action, nullptr);
+  ::signal(SIGPIPE, SIG_IGN);
+
+  const Status done = run(options);
+  if (done) return 0;
+  std::fprintf(stderr, "tetragauge-emulator: %s\n", done.error().message.c_str());
+  return static_cast<int>(done.error().kind);
+}
+
+}  // namespace
+}  // namespace tetragauge
+
+int main(int argc, char** argv) {
+  return tetragauge::emulator_main(argc, argv);
+}

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "boards/emulated/run_board.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <thread>
+
+#include "firmware/controller.hpp"
+
+namespace tetragauge {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+using Firmware = Controller<EmulatedBoard>;
+
+// How long one wait may keep `stop` from being seen.
+constexpr int kWaitSlice_ms = 50;
+
+// Holds virtual time against wall time.
+class Pace {
+ public:
+  explicit Pace(double speed) : speed_(speed) {}
+  // Virtual time that wall time allows by now.
+  uint64_t allowed_ns() const {
+    const std::chrono::duration<double, std::nano> wall = Clock::now() - start_;
+    return start_ns_ + static_cast<uint64_t>(wall.count() * speed_);
+  }
+  void restart(uint64_t virtual_ns) {
+    start_ = Clock::now();
+    start_ns_ = virtual_ns;
+  }
+  milliseconds wait_for(uint64_t virtual_ns) const {
+    const uint64_t allowed = allowed_ns();
+    if (virtual_ns <= allowed) return milliseconds(0);
+    const double wall_ms = static_cast<double>(virtual_ns - allowed) * 1e-6 / speed_;
+    return milliseconds(static_cast<int>(std::min(wall_ms, double{kWaitSlice_ms})) + 1);
+  }
+
+ private:
+  double speed_;
+  Clock::time_point start_ = Clock::now();
+  uint64_t start_ns_ = 0;
+};
+
+void dispatch(Firmware& firmware, EmulatedBoard::Event event) {
+  switch (event) {
+    case EmulatedBoard::Event::table_step:
+      firmware.on_step_timer(Axis::kTable);
+      break;
+    case EmulatedBoard::Event::slide_step:
+      firmware.on_step_timer(Axis::kSlide);
+      break;
+    case EmulatedBoard::Event::alarm:
+      firmware.on_alarm();
+      break;
+    case EmulatedBoard::Event::samples:
+      firmware.on_samples();
+      break;
+    case EmulatedBoard::Event::none:
+      break;
+  }
+}
+
+}  // namespace
+
+void run_board(EmulatedBoard& board, HostLine& line, const std::atomic<bool>& stop,
+               const PaceOptions& options) {
+  const auto firmware = std::make_unique<Firmware>(board);
+  firmware->begin();
+  Pace pace(options.speed.value_or(1.0)), silent_pace(1.0);
+  bool silent = false;
+  auto waiting_since = Clock::now();
+  bool was_waiting = false;
+
+  while (!stop && !line.closed()) {
+    const bool resting = firmware->resting();
+    const bool waiting = resting || firmware->host_owes_answer();
+    if (!waiting) silent = false;
+    if (waiting && !was_waiting) waiting_since = Clock::now();
+    was_waiting = waiting;
+
+    if (waiting && !silent) {
+      if (line.wait_for_bytes(kWaitSlice_ms)) {
+        firmware->poll();
+        was_waiting = false;  // the next wait, if any, is a new one
+        pace.restart(board.now_ns());
+      } else if (!resting && Clock::now() - waiting_since >= milliseconds(options.silence_after_ms)) {
+        silent = true;
+        silent_pace.restart(board.now_ns());
+      }
+      continue;
+    }
+
+    // The next instant at which anything happens.
+    EmulatedBoard::Due due = board.next_event();
+    const uint64_t poll_ns = std::max(firmware->next_poll_ns(), board.now_ns());
+    const bool poll_first = poll_ns < due.time_ns;
+    const uint64_t next_ns = poll_first ? poll_ns : due.time_ns;
+    if (silent || options.speed) {
+      const Pace& held_by = silent ? silent_pace : pace;
+      if (const milliseconds wait = held_by.wait_for(next_ns); wait.count() > 0) {
+        if (!silent) {
+          std::this_thread::sleep_for(wait);
+        } else if (line.wait_for_bytes(static_cast<int>(wait.count()))) {
+          silent = false;
+          firmware->poll();
+        }
+        continue;
+      }
+    }
+    if (poll_first) {
+      board.advance_to(poll_ns);
+    } else {
+      board.take(due);
+      dispatch(*firmware, due.event);
+    }
+    firmware->poll();
+  }
+}
+
+}  // namespace tetragauge

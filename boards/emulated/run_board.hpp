@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// The emulated board's life: an event loop in virtual time that calls the firmware's interrupts at their
+// instants.
+//
+// Virtual time stands still while the host owes an answer or while the machine rests, and bytes of the host
+// are taken in only then: so they are stamped at an instant that does not depend on how fast either side
+// runs, and the same commands give the same run. A host that keeps the machine waiting for 5 s of wall time
+// counts as silent: time goes on without it, at wall pace, and the firmware's own time-outs see the silence.
+#pragma once
+
+#include <atomic>
+#include <optional>
+
+#include "boards/emulated/emulated_board.hpp"
+
+namespace tetragauge {
+
+struct PaceOptions {
+  std::optional<double> speed;  // virtual seconds per wall second; none: as fast as it goes
+  int silence_after_ms = 5000;
+};
+
+// Until the host goes or `stop` is set. A machine whose host has gone switches the laser off by its own
+// time-out; here it simply ends.
+void run_board(EmulatedBoard& board, HostLine& line, const std::atomic<bool>& stop,
+               const PaceOptions& pace = {});
+
+}  // namespace tetragauge

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/session/emulated_machine.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <vector>
+
+extern char** environ;
+
+namespace tetragauge {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+struct Pipe {
+  std::array<int, 2> ends{-1, -1};
+  bool open() { return ::pipe2(ends.data(), O_CLOEXEC) == 0; }
+  void close(size_t end) {
+    if (ends[end] >= 0) ::close(ends[end]);
+    ends[end] = -1;
+  }
+  ~Pipe() {
+    close(0);
+    close(1);
+  }
+};
+
+std::filesystem::path beside_this_program() {
+  std::error_code ignored;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", ignored);
+  return self.parent_path() / "tetragauge-emulator";
+}
+
+// Reads until a line is complete or the pipe ends; empty when neither happened in time.
+std::string first_line(int fd, milliseconds timeout) {
+  const auto deadline = steady_clock::now() + timeout;
+  std::string text;
+  for (;;) {
+    const auto left = std::chrono::duration_cast<milliseconds>(deadline - steady_clock::now()).count();
+    pollfd waiting{fd, POLLIN, 0};
+    if (left <= 0 || ::poll(&waiting, 1, static_cast<int>(left)) == 0) return "";
+    std::array<char, 256> buffer;
+    const ssize_t count = ::read(fd, buffer.data(), buffer.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return text;
+    text.append(buffer.data(), static_cast<size_t>(count));
+    if (text.find('\n') != std::string::npos) return text.substr(0, text.find('\n'));
+  }
+}
+
+std::string all_text(int fd) {
+  std::string text;
+  std::array<char, 1024> buffer;
+  for (;;) {
+    const ssize_t count = ::read(fd, buffer.data(), buffer.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) break;
+    text.append(buffer.data(), static_cast<size_t>(count));
+  }
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return text;
+}
+
+// What a failed emulator said, with its own kind of error.
+Error failure_of(const std::filesystem::path& program, int status, const std::string& said) {
+  constexpr std::string_view kName = "tetragauge-emulator: ";
+  std::string message = said.starts_with(kName) ? said.substr(kName.size()) : said;
+  if (message.empty())
+    message = program.string() + ": the emulator ended at once and said nothing; run it by hand";
+  const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  switch (code) {
+    case static_cast<int>(ErrorKind::usage):
+      return usage_error(message);
+    case static_cast<int>(ErrorKind::bad_input):
+      return bad_input(message);
+    default:
+      return machine_error(message);
+  }
+}
+
+}  // namespace
+
+Result<std::unique_ptr<EmulatedMachine>> EmulatedMachine::start(const EmulatedMachineOptions& options) {
+  const auto program = options.emulator.empty() ? beside_this_program() : options.emulator;
+  if (::access(program.c_str(), X_OK) != 0) {
+    return machine_error(program.string() + ": no emulator there; build the target tetragauge-emulator");
+  }
+  // Short, because a socket's path may have 107 characters only.
+  std::string folder = "/tmp/tetragauge-XXXXXX";
+  if (::mkdtemp(folder.data()) == nullptr) {
+    return machine_error("/tmp: cannot make a folder for the emulator's socket: " +
+                         std::string(std::strerror(errno)));
+  }
+  std::unique_ptr<EmulatedMachine> machine(new EmulatedMachine);
+  machine->folder_ = folder;
+  machine->device_ = "unix:" + folder + "/machine";
+
+  std::vector<std::string> arguments{program.string(), "--part",    options.part.string(),        "--listen",
+                                     machine->device_, "--seed",    std::to_string(options.seed), "--speed",
+                                     options.speed,    "--one-host"};
+  if (!options.place.empty()) arguments.push_back("--place=" + options.place);
+  if (!options.world.empty()) arguments.push_back("--world=" + options.world.string());
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+
+  Pipe out, error;
+  if (!out.open() || !error.open())
+    return machine_error("no pipes for the emulator: " + std::string(std::strerror(errno)));
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, out.ends[1], STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, error.ends[1], STDERR_FILENO);
+  const int spawned =
+      ::posix_spawn(&machine->process_, program.c_str(), &actions, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (spawned != 0) {
+    machine->process_ = -1;
+    return machine_error(program.string() + ": cannot start: " + std::strerror(spawned));
+  }
+  out.close(1);
+  error.close(1);
+  // The emulator prints its device once it listens.
+  if (first_line(out.ends[0], options.start_timeout) == machine->device_) return machine;
+
+  int status = 0;
+  if (::waitpid(machine->process_, &status, WNOHANG) == 0) {
+    ::kill(machine->process_, SIGTERM);
+    ::waitpid(machine->process_, &status, 0);
+  }
+  machine->process_ = -1;
+  return failure_of(program, status, all_text(error.ends[0]));
+}
+
+EmulatedMachine::~EmulatedMachine() {
+  if (process_ > 0) {
+    ::kill(process_, SIGTERM);
+    int status = 0;
+    while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+    }
+  }
+  std::error_code ignored;
+  std::filesystem::remove_all(folder_, ignored);
+}
+
+}  // namespace tetragauge

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// An emulated machine of one's own: starts tetragauge-emulator on a private socket and ends it.
+//
+//   auto machine = EmulatedMachine::start({.part = "staircase.csg"});
+//   auto transport = open_transport((*machine)->device());
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "host/base/result.hpp"
+
+namespace tetragauge {
+
+struct EmulatedMachineOptions {
+  std::filesystem::path part;  // model of the part as really made
+  std::string place;           // RX,RY,RZ,TX,TY,TZ; empty: as modelled
+  uint64_t seed = 1;
+  std::filesystem::path world;  // empty: the nominal world
+  std::string speed = "max";
+  std::filesystem::path emulator;                   // empty: tetragauge-emulator beside the running program
+  std::chrono::milliseconds start_timeout{60'000};  // reading a large model takes its time
+};
+
+class EmulatedMachine {
+ public:
+  // Errors are the emulator's own: bad model, part outside the working volume (bad input), ...
+  static Result<std::unique_ptr<EmulatedMachine>> start(const EmulatedMachineOptions& options);
+  ~EmulatedMachine();  // ends it and removes its folder
+  EmulatedMachine(const EmulatedMachine&) = delete;
+  EmulatedMachine& operator=(const EmulatedMachine&) = delete;
+
+  // For open_transport(). One host only: the emulator ends when it has gone.
+  const std::string& device() const { return device_; }
+  pid_t process() const { return process_; }
+
+ private:
+  EmulatedMachine() = default;
+
+  std::filesystem::path folder_;
+  std::string device_;
+  pid_t process_ = -1;
+};
+
+}  // namespace tetragauge
