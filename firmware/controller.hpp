@@ -126,7 +126,8 @@ class Controller {
   }
 
   void check_motion() {
-    for (const AxisMover<B>* axis : {&table_, &slide_}) {
+    const AxisMover<B>* const axes[] = {&table_, &slide_};
+    for (const AxisMover<B>* axis : axes) {
       if (axis->fault() != tg_FaultCode_FAULT_NONE && state() == tg_State_STATE_HOMING) fail(axis->fault());
     }
     if (state() == tg_State_STATE_HOMING && !table_.busy() && !slide_.busy()) {

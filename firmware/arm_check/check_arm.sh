@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Compiles the firmware core for a Cortex-M4F as the boards do, links it without a heap, and fails when anything of a heap,
+# of exceptions or of run-time type information got in.
+# check_arm.sh SOURCE_DIR GENERATED_DIR NANOPB_DIR WORK_DIR
+set -euo pipefail
+
+source_dir="$1" generated="$2" nanopb="$3" work="$4"
+cross=arm-none-eabi
+command -v $cross-g++ >/dev/null || {
+  echo "check_arm: $cross-g++ is missing; run script/setup, which installs gcc-arm-none-eabi" >&2
+  exit 1
+}
+mkdir -p "$work"
+cd "$work"
+
+# -fno-math-errno: the square root is the processor's instruction alone.
+common=(-mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard -Os -ffunction-sections -fdata-sections
+  -ffp-contract=off -fno-math-errno -fstack-usage -I"$source_dir" -isystem "$nanopb" -isystem "$generated")
+cxx=("${common[@]}" -std=c++20 -fno-exceptions -fno-rtti -fno-threadsafe-statics -fno-unwind-tables
+  -fno-asynchronous-unwind-tables -Wall -Wextra -Wconversion -Werror)
+compiler() { if command -v ccache >/dev/null; then ccache "$@"; else "$@"; fi; }
+
+objects=()
+while IFS= read -r file; do
+  object="$(echo "${file#"$source_dir"/}" | tr / _).o"
+  compiler $cross-g++ "${cxx[@]}" -c "$file" -o "$object"
+  objects+=("$object")
+done < <(find "$source_dir/protocol" "$source_dir/firmware" -name '*.cpp' ! -name '*_test.cpp' | LC_ALL=C sort)
+for file in "$nanopb"/pb_common.c "$nanopb"/pb_encode.c "$nanopb"/pb_decode.c "$generated"/protocol/machine.pb.c; do
+  object="$(basename "$file").o"
+  compiler $cross-gcc "${common[@]}" -c "$file" -o "$object"
+  objects+=("$object")
+done
+
+# -nostartfiles, and no libstdc++ at all: only the compiler's own helpers, and memcpy and friends of newlib.
+$cross-gcc "${common[@]}" -nostartfiles -nostdlib -Wl,--gc-sections -Wl,-e,Reset_Handler \
+  -Wl,-Ttext=0x08000000 -Wl,-Tdata=0x20000000 "${objects[@]}" -lc_nano -lgcc -o core.elf
+
+$cross-nm -C core.elf >symbols.txt
+if grep -E ' (malloc|free|calloc|realloc|_malloc_r|_free_r|_sbrk|operator new\(unsigned int\)|operator delete|__cxa_throw|__cxa_begin_catch|__gxx_personality|typeinfo for|_Unwind_|abort)' symbols.txt; then
+  echo "check_arm: the symbols above must not be in the firmware" >&2
+  exit 1
+fi
+$cross-size core.elf
+echo "largest stack frames (bytes):"
+cat ./*.su | sort -t$'\t' -k2 -n -r | head -5 | cut -f1,2

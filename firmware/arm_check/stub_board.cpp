@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// The controller on a board that is nothing but memory cells, to be compiled for a Cortex-M4F: what the
+// portable core needs, and nothing else, must link.
+#include "firmware/controller.hpp"
+
+namespace tetragauge {
+namespace {
+
+volatile uint32_t cells[16];
+
+struct StubBoard {
+  static constexpr const char* kName = "stub";
+  static constexpr uint32_t kCapabilities = 0;
+  static constexpr uint32_t kSamplePeriodNs = 10'000;
+
+  uint32_t boot_id() const { return cells[0]; }
+  uint64_t now_ns() const { return uint64_t{cells[1]} * 1000; }
+  void set_alarm_ns(uint64_t time_ns) { cells[2] = static_cast<uint32_t>(time_ns / 1000); }
+  void set_mirrors(int16_t a, int16_t b) { cells[3] = static_cast<uint32_t>(a * 65'536 + b); }
+  void set_laser(bool on) { cells[4] = on; }
+  void start_samples(PsdSample* samples, uint32_t count) {
+    burst = samples;
+    cells[5] = count;
+  }
+  void set_step_alarm_ns(Axis axis, uint64_t time_ns) {
+    cells[6 + static_cast<int>(axis)] = static_cast<uint32_t>(time_ns / 1000);
+  }
+  void step(Axis axis, bool up) { cells[8 + static_cast<int>(axis)] = up; }
+  uint32_t inputs() const { return cells[10]; }
+  size_t read(uint8_t* bytes, size_t capacity) {
+    size_t count = 0;
+    while (count < capacity && cells[11] != 0) bytes[count++] = static_cast<uint8_t>(cells[12]);
+    return count;
+  }
+  size_t write(const uint8_t* bytes, size_t count) {
+    for (size_t i = 0; i < count; ++i) cells[13] = bytes[i];
+    return count;
+  }
+  void mask_interrupts(bool on) { cells[14] = on; }
+  void kick_watchdog() { cells[15] = 0; }
+
+  PsdSample* burst = nullptr;
+};
+
+StubBoard board;
+constinit unsigned char memory[sizeof(Controller<StubBoard>)] __attribute__((aligned(8))) = {};
+
+// No <new>: constructed in place, as a chip's start-up code does.
+struct InPlace {
+  unsigned char* at;
+};
+
+}  // namespace
+}  // namespace tetragauge
+
+void* operator new(size_t, tetragauge::InPlace place) noexcept {
+  return place.at;
+}
+
+extern "C" [[noreturn]] void Reset_Handler() {
+  using namespace tetragauge;
+  auto* controller = new (InPlace{memory}) Controller<StubBoard>(board);
+  controller->begin();
+  for (;;) {
+    controller->poll();
+    if (cells[0] == 1) controller->on_alarm();
+    if (cells[0] == 2) controller->on_samples();
+    if (cells[0] == 3) controller->on_step_timer(Axis::kTable);
+    if (cells[0] == 4) controller->on_interlock();
+    cells[1] = static_cast<uint32_t>(controller->next_poll_ns() / 1000) + controller->resting() +
+               controller->host_owes_answer();
+  }
+}
