@@ -5,6 +5,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <vector>
 
 #include "firmware/hal/board.hpp"
@@ -28,7 +29,10 @@ class FakeBoard {
   void set_mirrors(int16_t a, int16_t b) { mirror_a = a, mirror_b = b; }
   void set_laser(bool on) {
     laser = on;
-    if (on) laser_ever_on = true;
+    if (on) {
+      ++times_laser_on;
+      when_laser_goes_on();
+    }
   }
   void start_samples(PsdSample* samples, uint32_t count) {
     burst = samples;
@@ -63,7 +67,9 @@ class FakeBoard {
 
   uint64_t now = 0, alarm = kNever, burst_end = kNever, step_alarm[kAxes] = {kNever, kNever};
   int16_t mirror_a = 0, mirror_b = 0;
-  bool laser = false, laser_ever_on = false, stuck_converter = false;
+  bool laser = false, stuck_converter = false;
+  uint32_t times_laser_on = 0;
+  std::function<void()> when_laser_goes_on = [] {};
   PsdSample* burst = nullptr;
   uint32_t burst_count = 0;
   int64_t position[kAxes] = {0, 0};                   // the true one, in steps
