@@ -132,6 +132,7 @@ class TestHost {
     return crc;
   }
   uint32_t plan_id() const { return plan_id_; }
+  void seed(unsigned seed) { random_.seed(seed); }
 
   std::string trouble() const {
     std::ostringstream out;
