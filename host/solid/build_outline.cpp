@@ -81,6 +81,9 @@ TopoDS_Wire wire_of(const CsgNode& node, Loop loop, bool is_hole) {
 // a hole of the innermost of them.
 TopoDS_Shape face_of_loops(const CsgNode& node, const std::vector<Loop>& loops) {
   check_simple(node, loops);
+  for (const Loop& loop : loops) {
+    if (signed_area(loop) == 0) throw CsgFailure(node, node.name + ": an outline has no area; leave it out");
+  }
   std::vector<std::vector<size_t>> around(loops.size());
   for (size_t i = 0; i < loops.size(); ++i) {
     for (size_t j = 0; j < loops.size(); ++j) {
@@ -121,8 +124,8 @@ TopoDS_Shape polygon(const CsgNode& node, const Affine& M) {
   for (Loop& loop : loops) {
     loop.erase(std::unique(loop.begin(), loop.end()), loop.end());
     while (loop.size() > 1 && loop.front() == loop.back()) loop.pop_back();
-    if (loop.size() < 3 || signed_area(loop) == 0) {
-      throw CsgFailure(node, "polygon: an outline needs three points that are not on one line");
+    if (loop.size() < 3) {
+      throw CsgFailure(node, "polygon: an outline needs three points");
     }
   }
   return face_of_loops(node, loops);

@@ -85,20 +85,24 @@ std::vector<TopoDS_Solid> divide_full_turns(const std::vector<TopoDS_Solid>& sol
   return divided;
 }
 
+Error open_solid(const std::string& place) {
+  return bad_input(place +
+                   ": the body is open, faces are missing; repair it in the CAD system and export it again "
+                   "as a solid");
+}
+
 }  // namespace
 
 Result<Solid> solid_from_shape(const TopoDS_Shape& shape, const std::string& place,
                                const ReadSolidOptions& options) {
   if (shape.IsNull()) return bad_input(place + ": the model is empty; it must hold at least one solid body");
   std::vector<TopoDS_Solid> shapes = distinct_solids(turn_wires(shape));
+  if (shapes.empty() && TopExp_Explorer(shape, TopAbs_SHELL).More()) return open_solid(place);
   if (shapes.empty()) {
     return bad_input(place + ": no solid body in it, only surfaces or curves; export the part as a solid");
   }
   for (TopoDS_Solid& solid : shapes) {
-    if (is_open(solid)) {
-      return bad_input(place +
-                       ": a solid is open, faces are missing; repair it in the CAD system and export again");
-    }
+    if (is_open(solid)) return open_solid(place);
     BRepLib::OrientClosedSolid(solid);
     if (!(volume_mm3(solid) > 0)) {
       return bad_input(place + ": a solid has no volume; repair it in the CAD system and export again");

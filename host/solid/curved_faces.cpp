@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/solid/curved_faces.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/solid/shoot_ray.hpp"
+#include "host/solid/surface_crossings.hpp"
+
+namespace tetragauge {
+namespace {
+
+bool is_solved(SurfaceType type) {
+  return has_crossings(type) && type != SurfaceType::plane;
+}
+
+using Corners = std::array<Vec3, 3>;
+
+Corners corners_of(const Solid& solid, uint32_t triangle) {
+  const auto& t = solid.triangles[triangle];
+  return {solid.vertices[t[0]], solid.vertices[t[1]], solid.vertices[t[2]]};
+}
+
+// Twice the largest height of the surface over the triangle, taken at the middles of edges and face.
+double height_over(const Face& face, const Corners& p) {
+  double height = std::abs(distance_to_surface(face, (p[0] + p[1] + p[2]) / 3));
+  for (size_t k = 0; k < 3; ++k) {
+    height = std::max(height, std::abs(distance_to_surface(face, 0.5 * (p[k] + p[(k + 1) % 3]))));
+  }
+  return 2 * height;
+}
+
+// Whether the line through x along n meets the triangle, its edges included.
+bool is_over(const Corners& p, const Vec3& x, const Vec3& n) {
+  for (size_t k = 0; k < 3; ++k) {
+    if (n.dot((p[k] - x).cross(p[(k + 1) % 3] - x)) < 0) return false;
+  }
+  return true;
+}
+
+struct BoxContext {
+  RTCIntersectContext context;  // first, so that Embree's pointer to it is a pointer to this
+  std::vector<uint32_t>* found;
+};
+
+void box_bounds(const RTCBoundsFunctionArguments* arguments) {
+  const auto* boxes = static_cast<const std::array<float, 6>*>(arguments->geometryUserPtr);
+  const std::array<float, 6>& box = boxes[arguments->primID];
+  *arguments->bounds_o = {box[0], box[1], box[2], 0, box[3], box[4], box[5], 0};
+}
+
+void box_hit(const RTCIntersectFunctionNArguments* arguments) {
+  if (!arguments->valid[0]) return;
+  reinterpret_cast<const BoxContext*>(arguments->context)->found->push_back(arguments->primID);
+}
+
+}  // namespace
+
+CurvedFaces::CurvedFaces(RTCDevice device, const Solid& solid, const Vec3& centre)
+    : solid_(solid), centre_(centre) {
+  for (uint32_t i = 0; i < solid.triangles.size(); ++i) {
+    if (is_solved(solid.faces()[solid.triangle_face[i]].type)) triangles_.push_back(i);
+  }
+  if (triangles_.empty()) return;
+  std::stable_sort(triangles_.begin(), triangles_.end(),
+                   [&](uint32_t a, uint32_t b) { return solid.triangle_face[a] < solid.triangle_face[b]; });
+  const double rounding_mm = kFloatShare * (solid.box_max_mm - solid.box_min_mm).norm();
+  for (const uint32_t triangle : triangles_) {
+    const Corners p = corners_of(solid, triangle);
+    const double margin = height_over(solid.faces()[solid.triangle_face[triangle]], p) + rounding_mm;
+    const Vec3 low = p[0].cwiseMin(p[1]).cwiseMin(p[2]) - centre - Vec3::Constant(margin);
+    const Vec3 high = p[0].cwiseMax(p[1]).cwiseMax(p[2]) - centre + Vec3::Constant(margin);
+    std::array<float, 6> box;
+    for (int i = 0; i < 3; ++i) {
+      box[static_cast<size_t>(i)] = static_cast<float>(low[i]);
+      box[static_cast<size_t>(i) + 3] = static_cast<float>(high[i]);
+    }
+    boxes_.push_back(box);
+  }
+  scene_ = rtcNewScene(device);
+  rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+  const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(boxes_.size()));
+  rtcSetGeometryUserData(geometry, boxes_.data());
+  rtcSetGeometryBoundsFunction(
+      geometry, [](const RTCBoundsFunctionArguments* arguments) { box_bounds(arguments); }, nullptr);
+  rtcSetGeometryIntersectFunction(geometry, box_hit);
+  commit_scene(scene_, geometry);
+}
+
+CurvedFaces::~CurvedFaces() {
+  if (scene_) rtcReleaseScene(scene_);
+}
+
+std::vector<Crossing> CurvedFaces::crossings(const Vec3& origin, const Vec3& direction, double start,
+                                             double end) const {
+  std::vector<uint32_t> found;
+  BoxContext context{{}, &found};
+  rtcInitIntersectContext(&context.context);
+  RTCRayHit query = ray_query(origin + start * direction - centre_, direction, 0, end - start);
+  rtcIntersect1(scene_, &context.context, &query);
+  std::sort(found.begin(), found.end());  // by face, whatever the way through the tree
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+
+  std::vector<Crossing> result;
+  uint32_t face_index = 0;
+  bool is_first = true;
+  SurfaceCrossings roots;
+  // The line is solved from near the part, so that a far origin costs no digits.
+  const double near_t = (centre_ - origin).dot(direction);
+  const Vec3 near = origin + near_t * direction;
+  std::array<Vec3, 2> points, normals;
+  std::array<bool, 2> is_taken{};
+  for (const uint32_t candidate : found) {
+    const uint32_t triangle = triangles_[candidate];
+    const uint32_t own = solid_.triangle_face[triangle];
+    const Face& face = solid_.faces()[own];
+    if (is_first || own != face_index) {
+      is_first = false;
+      face_index = own;
+      roots = surface_crossings(face, near, direction);
+      is_taken = {};
+      for (size_t k = 0; k < roots.count; ++k) {
+        points[k] = near + roots.s[k] * direction;
+        normals[k] = surface_normal(face, points[k]);
+      }
+    }
+    for (size_t k = 0; k < roots.count; ++k) {
+      const double t = near_t + roots.s[k];
+      if (is_taken[k] || t < start || t > end) continue;
+      if (!is_over(corners_of(solid_, triangle), points[k], normals[k])) continue;
+      is_taken[k] = true;
+      result.push_back({t, triangle, roots.is_entering[k]});
+    }
+  }
+  std::stable_sort(result.begin(), result.end(),
+                   [](const Crossing& a, const Crossing& b) { return a.t < b.t; });
+  return result;
+}
+
+}  // namespace tetragauge
