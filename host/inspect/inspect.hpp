@@ -28,16 +28,26 @@ struct FaceInspection {
   double U_offset_mm = 0, U_tilt_rad = 0, U_form_mm = 0;  // k = 2
   double profile_mm = 0,
          U_profile_mm = 0;  // largest |deviation| of offset, tilt over the face and form together
+  double u_offset_own_mm =
+      0;  // standard uncertainty of offset_mm without the pose's: of this face's points and the machine
+  int candidate_with = 0;  // model id of the face that may as well be the one out of place; 0: none
+  double rms_mm = 0;       // residual of the points across the fitted surface
   Verdict verdict = Verdict::none;
+  // What the verdict rests on: the criterion ("profile", "offset", "flatness") nearest to or farthest beyond
+  // its limit.
+  std::string criterion;
+  double deviation_mm = 0, U_mm = 0, limit_mm = 0;
   std::string reason;  // in words, e.g. "not seen: 3 points", "rays prove it absent"
 };
 
 struct Inspection {
   Verdict verdict = Verdict::none;
+  std::string rule;  // of the decision: guarded, iso14253-1:2017, simple
   Match match;
-  std::vector<FaceInspection> faces;      // by model id, ascending
-  std::vector<int> missing_faces;         // model ids that rays prove absent
-  std::vector<int> extra_faces;           // measured ids that no model face explains
+  std::vector<FaceInspection> faces;  // by model id, ascending
+  std::vector<int> missing_faces;     // model ids that rays prove absent
+  std::vector<int> extra_faces;       // measured ids that no model face explains
+  std::vector<int> extra_material;    // those of them that stand out of the model beyond tolerance: a fail
   std::vector<float> point_deviation_mm;  // per raw point to the nearest model surface, + = excess material
   std::vector<int> point_face;            // per raw point its model id, 0: none
   StageTimer timing;
@@ -56,6 +66,8 @@ struct InspectionRun {
   MeasuredFaces measured;
   Inspection inspection;
 };
+
+std::string_view rule_name(InspectOptions::Rule rule);
 
 Result<InspectionRun> inspect(const Scan& scan, const Solid& model, const Tolerances& tolerances,
                               const InspectOptions& options = {});

@@ -72,8 +72,9 @@ Match conclude_match(const PlaneSet& model, const PlaneSet& measured, const Sear
   Match match;
   match.T_model_part = best.pose.T_model_part;
   match.covariance = best.pose.covariance;
-  match.centroid_mm = model.centroid_mm;
+  match.centroid_mm = model.pivot_mm;
   match.rms_mm = best.pose.rms_mm;
+  match.max_offset_mm = gates.offset_mm;
   match.poses_compared = ranked.compared;
 
   const std::vector<PlaneObservation> seen = observations(model, measured, best.pairs);

@@ -49,6 +49,7 @@ struct Match {
   std::vector<int> unmatched_model, unmatched_measured;  // ids, ascending
   std::vector<EquivalentPose> equivalents;
   std::vector<FreeDirection> undetermined;
+  double max_offset_mm = 0;   // the gate used: a face farther from its place was not taken for that face
   size_t poses_compared = 0;  // full poses (rotation and translation) that were scored
 };
 

@@ -145,6 +145,7 @@ PlaneSet plane_set(const FaceList& list, double direction_rad) {
   }
   for (const MatchPlane& plane : set.planes)
     set.centroid_mm += plane.point_mm * (plane.area_mm2 / set.area_mm2);
+  set.pivot_mm = set.centroid_mm;
 
   // The diagonal of a cube of that area, or of the box round the centroids where that is longer (bars);
   // without areas twice the reach of the planes.

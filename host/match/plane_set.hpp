@@ -36,6 +36,7 @@ struct PlaneSet {
   double area_mm2 = 0;              // of the planes
   double size_mm = 0;               // about the diagonal of the part's box
   Vec3 centroid_mm = Vec3::Zero();  // area-weighted mean of the points
+  Vec3 pivot_mm = Vec3::Zero();     // the pose's covariance is about it: the solid's centroid where known
 };
 
 // Faces whose normals differ by less than `direction_rad` from that of a larger face share its direction.

@@ -52,12 +52,12 @@ RankedPose refined(const PlaneSet& model, const PlaneSet& measured, const Search
   for (int pass = 0; pass < 2; ++pass) {
     out.pairs = pair_planes(model, measured, out.pose.T_model_part, gates, fragment_mm);
     if (out.pairs.empty()) return out;
-    out.pose = refine_pose(observations(model, measured, out.pairs), out.pose.T_model_part, model.centroid_mm,
+    out.pose = refine_pose(observations(model, measured, out.pairs), out.pose.T_model_part, model.pivot_mm,
                            model.size_mm);
     fragment_mm = std::min(gates.offset_mm, std::max(4 * out.pose.scatter_mm, 0.05 * gates.offset_mm));
   }
   if (drop_unsupported(model, measured, out))
-    out.pose = refine_pose(observations(model, measured, out.pairs), out.pose.T_model_part, model.centroid_mm,
+    out.pose = refine_pose(observations(model, measured, out.pairs), out.pose.T_model_part, model.pivot_mm,
                            model.size_mm);
   return out;
 }

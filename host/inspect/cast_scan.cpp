@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/inspect/cast_scan.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tetragauge {
+namespace {
+
+// A grazing ray's sigma across the surface would vanish; its own aiming error does not.
+constexpr double kLeastCosine = 0.1;
+
+}  // namespace
+
+CastScan cast_scan(const Scan& scan, const Solid& model, const RayCaster& caster, const RigidTransform& T) {
+  const size_t n = scan.size();
+  CastScan out{std::vector<Vec3>(n), std::vector<int>(n, -1), std::vector<double>(n, 0.0),
+               std::vector<double>(n, 0.0), std::vector<double>(n, 0.0)};
+  // Each index writes its own slots: the result does not depend on the threads.
+  tbb::parallel_for(size_t{0}, n, [&](size_t i) {
+    const Vec3 origin = T * scan.ray_origins[i];
+    const Vec3 point = T * scan.points[i];
+    out.points_mm[i] = point;
+    const double sigma = static_cast<double>(scan.sigma_mm[i]);
+    out.sigma_mm[i] = sigma;
+    const double range = (point - origin).norm();
+    if (!(range > 0)) return;
+    const Vec3 direction = (point - origin) / range;
+    const std::optional<RayHit> hit = caster.first_hit(origin, direction);
+    if (!hit) return;
+    const Face& face = model.faces()[static_cast<size_t>(hit->face)];
+    out.face[i] = hit->face;
+    out.beyond_mm[i] = range - hit->distance_mm;
+    out.sigma_mm[i] = sigma * std::max(kLeastCosine, std::abs(hit->normal.dot(direction)));
+    // No closed form for a free-form surface: to its tangent plane at the hit.
+    out.deviation_mm[i] = face.type == SurfaceType::other ? hit->normal.dot(point - hit->point_mm)
+                                                          : distance_to_surface(face, point);
+  });
+  return out;
+}
+
+}  // namespace tetragauge

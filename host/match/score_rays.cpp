@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/match/score_rays.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tetragauge {
+namespace {
+
+// Beyond 84 degrees of incidence the range says little about where the surface is.
+constexpr double kLeastCosine = 0.1;
+
+}  // namespace
+
+RayScore score_rays(const RayCaster& caster, const Scan& scan, const RigidTransform& T, size_t samples,
+                    double tolerance_mm) {
+  RayScore score;
+  const size_t stride = std::max<size_t>(1, scan.size() / std::max<size_t>(1, samples));
+  for (size_t i = 0; i < scan.size(); i += stride) {
+    const Vec3 origin = T * scan.ray_origins[i];
+    const Vec3 point = T * scan.points[i];
+    const double range = (point - origin).norm();
+    if (!(range > 0)) continue;
+    ++score.rays;
+    const Vec3 direction = (point - origin) / range;
+    const std::optional<RayHit> hit = caster.first_hit(origin, direction);
+    const double across = hit ? std::max(kLeastCosine, std::abs(hit->normal.dot(direction))) : 1.0;
+    const double tolerance = std::max(3.0 * static_cast<double>(scan.sigma_mm[i]), tolerance_mm / across);
+    if (hit && hit->distance_mm < range - tolerance) {
+      ++score.through;
+      score.inside_mm += caster.length_inside(origin, point - tolerance * direction);
+    } else if (!hit || hit->distance_mm > range + tolerance) {
+      ++score.in_air;
+    }
+  }
+  return score;
+}
+
+}  // namespace tetragauge

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the measuring rays say about a pose: light went through air up to the point and met material there.
+#pragma once
+
+#include <cstddef>
+
+#include "host/geometry/rigid_transform.hpp"
+#include "host/scan/scan.hpp"
+#include "host/solid/ray_caster.hpp"
+
+namespace tetragauge {
+
+struct RayScore {
+  size_t rays = 0;       // sampled
+  size_t through = 0;    // went through the posed model's material before their point
+  size_t in_air = 0;     // their point lies where the posed model has no surface
+  double inside_mm = 0;  // free-space violation: summed length inside the material beyond the tolerance
+
+  size_t against() const { return through + in_air; }
+};
+
+// Every (size / `samples`)-th ray. A ray agrees if the model's surface lies within `tolerance_mm` or three
+// sigma of its point, across the surface.
+RayScore score_rays(const RayCaster& caster, const Scan& scan, const RigidTransform& T_model_part,
+                    size_t samples, double tolerance_mm);
+
+}  // namespace tetragauge

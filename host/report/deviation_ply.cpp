@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/report/deviation_ply.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+namespace tetragauge {
+namespace {
+
+template <class T>
+void append(std::string& out, T value) {
+  static_assert(std::endian::native == std::endian::little, "the PLY is written little-endian");
+  std::array<char, sizeof(T)> bytes;
+  std::memcpy(bytes.data(), &value, sizeof(T));
+  out.append(bytes.data(), bytes.size());
+}
+
+std::array<uint8_t, 3> colour(double share) {
+  const double s = std::clamp(share, -1.0, 1.0);
+  const auto byte = [](double x) { return static_cast<uint8_t>(std::lround(255 * std::clamp(x, 0.0, 1.0))); };
+  // Through cyan and yellow, so that small deviations show too.
+  return {byte(2 * s), byte(2 - 2 * std::abs(s)), byte(-2 * s)};
+}
+
+}  // namespace
+
+std::string deviation_ply(const Scan& scan, const Inspection& inspection, double scale_mm) {
+  std::string out =
+      "ply\nformat binary_little_endian 1.0\ncomment frame part\ncomment unit mm\ncomment deviation from the "
+      "model, + is excess "
+      "material\nelement vertex " +
+      std::to_string(scan.size()) +
+      "\nproperty double x\nproperty double y\nproperty double z\nproperty uchar red\nproperty uchar "
+      "green\nproperty "
+      "uchar blue\nproperty float deviation\nproperty int face\nend_header\n";
+  for (size_t i = 0; i < scan.size(); ++i) {
+    for (int k = 0; k < 3; ++k) append(out, scan.points[i][k]);
+    const float deviation = inspection.point_deviation_mm[i];
+    const int face = inspection.point_face[i];
+    std::array<uint8_t, 3> rgb{128, 128, 128};
+    if (face > 0) rgb = colour(static_cast<double>(deviation) / scale_mm);
+    for (const uint8_t c : rgb) append(out, c);
+    append(out, deviation);
+    append(out, static_cast<int32_t>(face));
+  }
+  return out;
+}
+
+}  // namespace tetragauge
