@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/faces/assign_points.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "host/faces/compare_planes.hpp"
+#include "host/reconstruct/average_points.hpp"
+
+namespace tetragauge {
+namespace {
+
+constexpr double kGate = 3;        // sigma
+constexpr double kFacing = -0.02;  // rays run against the normal of what they hit
+// Planes within 10 degrees of one another meet in no edge that a ray could tell: there the nearer one wins.
+constexpr double kSameDirection = 0.985;
+
+// How two faces meet: at a convex edge each ends where it enters the other's outside, at a concave one where
+// it enters the other's material.
+enum class Edge { unknown, convex, concave };
+
+class Assigner {
+ public:
+  Assigner(const Scan& scan, const Reconstruction& reconstruction, const SurfaceGraph& graph, Regions regions,
+           size_t min_points)
+      : scan_(scan),
+        reconstruction_(reconstruction),
+        graph_(graph),
+        min_points_(min_points),
+        band_mm_(0.25 * reconstruction.point_spacing_mm),
+        sigma_mm_(floored_sigma_mm(scan)),
+        planes_(std::move(regions.planes)),
+        scale_(planes_.size(), 1.0),
+        vertex_face_(std::move(regions.vertex_region)),
+        point_face_(scan.size(), kNoRegion) {}
+
+  FittedFaces run() {
+    constexpr int kRounds = 20;
+    for (int round = 0; round < kRounds; ++round) {
+      flood();
+      find_candidates();
+      find_edges();
+      const bool changed = assign();
+      fit();
+      const bool dropped = drop_small();
+      relabel_vertices();
+      if (!changed && !dropped) break;
+    }
+    return {std::move(fits_), std::move(point_face_), std::move(vertex_face_)};
+  }
+
+ private:
+  // Faces spread over the vertices around them that belong to none, as far as their points would be let in.
+  void flood() {
+    const double points_per_vertex =
+        std::max(1.0, std::pow(reconstruction_.vertex_spacing_mm / reconstruction_.point_spacing_mm, 2));
+    std::vector<uint32_t> queue;
+    for (uint32_t v = 0; v < graph_.size(); ++v) {
+      if (vertex_face_[v] != kNoRegion) queue.push_back(v);
+    }
+    for (size_t at = 0; at < queue.size(); ++at) {
+      const int32_t f = vertex_face_[queue[at]];
+      const Plane& plane = planes_[static_cast<size_t>(f)];
+      for (uint32_t n : graph_.around(queue[at])) {
+        if (vertex_face_[n] != kNoRegion) continue;
+        const Vec3& ray = reconstruction_.vertex_ray[n];
+        if (plane.normal.dot(ray) > kFacing) continue;
+        const double sigma = std::sqrt(points_per_vertex) * scale_[static_cast<size_t>(f)] *
+                             sigma_across(reconstruction_.vertex_sigma_mm[n], ray, plane.normal);
+        if (std::abs(plane.distance(reconstruction_.vertices[n])) > kGate * sigma) continue;
+        vertex_face_[n] = f;
+        queue.push_back(n);
+      }
+    }
+  }
+
+  // Faces within two edges of each vertex.
+  void find_candidates() {
+    candidates_.assign(graph_.size(), {});
+    for (uint32_t v = 0; v < graph_.size(); ++v) {
+      std::vector<int32_t>& near = candidates_[v];
+      const auto add = [&](uint32_t w) {
+        const int32_t face = vertex_face_[w];
+        if (face != kNoRegion && std::find(near.begin(), near.end(), face) == near.end())
+          near.push_back(face);
+      };
+      add(v);
+      for (uint32_t n : graph_.around(v)) add(n);
+      for (uint32_t n : graph_.around(v)) {
+        for (uint32_t m : graph_.around(n)) add(m);
+      }
+      std::sort(near.begin(), near.end());
+    }
+  }
+
+  // The sides on which two faces lie of one another, where they are near one another.
+  void find_edges() {
+    std::map<std::pair<int32_t, int32_t>, std::pair<size_t, size_t>> sides;  // inside, outside the other
+    for (uint32_t v = 0; v < graph_.size(); ++v) {
+      const int32_t f = vertex_face_[v];
+      if (f == kNoRegion) continue;
+      for (int32_t g : candidates_[v]) {
+        if (g == f) continue;
+        const Plane& other = planes_[static_cast<size_t>(g)];
+        const double distance = other.distance(reconstruction_.vertices[v]);
+        const double sigma =
+            sigma_across(reconstruction_.vertex_sigma_mm[v], reconstruction_.vertex_ray[v], other.normal);
+        if (std::abs(distance) < kGate * sigma) continue;
+        auto& count = sides[std::minmax(f, g)];
+        ++(distance < 0 ? count.first : count.second);
+      }
+    }
+    edges_.clear();
+    for (const auto& [pair, count] : sides) {
+      const size_t all = count.first + count.second;
+      Edge edge = Edge::unknown;
+      if (5 * count.first >= 4 * all) edge = Edge::convex;
+      if (5 * count.second >= 4 * all) edge = Edge::concave;
+      edges_[pair] = edge;
+    }
+  }
+
+  Edge edge_between(int32_t f, int32_t g) const {
+    const auto found = edges_.find(std::minmax(f, g));
+    return found == edges_.end() ? Edge::unknown : found->second;
+  }
+
+  // |distance| in sigma of raw point i from face f; beyond the gate if its ray could not have seen f.
+  double deviation(uint32_t i, int32_t f) const {
+    const Plane& plane = planes_[static_cast<size_t>(f)];
+    const Vec3 ray = scan_.ray_direction(i);
+    if (plane.normal.dot(ray) > kFacing) return 2 * kGate;
+    return std::abs(plane.distance(scan_.points[i])) /
+           (scale_[static_cast<size_t>(f)] * sigma_across(sigma_mm_[i], ray, plane.normal));
+  }
+
+  // Whether a point within the gate of f may be f's in view of neighbouring face g.
+  bool holds_against(uint32_t i, int32_t f, double z_f, int32_t g) const {
+    const Plane &own = planes_[static_cast<size_t>(f)], &other = planes_[static_cast<size_t>(g)];
+    const double cosine = own.normal.dot(other.normal);
+    const double z_g = deviation(i, g);
+    const Edge edge = std::abs(cosine) > kSameDirection ? Edge::unknown : edge_between(f, g);
+    if (edge == Edge::unknown) return z_g > kGate || z_f < z_g || (z_f == z_g && f < g);
+    const Vec3 ray = scan_.ray_direction(i);
+    const Vec3 hit = scan_.points[i] - ray * (own.distance(scan_.points[i]) / own.normal.dot(ray));
+    const double outside = other.distance(hit) / std::sqrt(1 - cosine * cosine);  // from the edge, in f
+    if (std::abs(outside) < band_mm_) return false;
+    return z_g > kGate || (edge == Edge::convex ? outside < 0 : outside > 0);
+  }
+
+  int32_t face_of(uint32_t i) const {
+    int32_t best = kNoRegion;
+    double best_z = kGate;
+    const std::vector<int32_t>& near = candidates_[reconstruction_.point_vertex[i]];
+    for (int32_t f : near) {
+      const double z = deviation(i, f);
+      if (!(z <= best_z)) continue;
+      const bool holds = std::all_of(near.begin(), near.end(),
+                                     [&](int32_t g) { return g == f || holds_against(i, f, z, g); });
+      if (!holds) continue;
+      best = f;
+      best_z = z;
+    }
+    return best;
+  }
+
+  bool assign() {
+    bool changed = false;
+    for (uint32_t i = 0; i < scan_.size(); ++i) {
+      const int32_t face = face_of(i);
+      changed = changed || face != point_face_[i];
+      point_face_[i] = face;
+    }
+    return changed;
+  }
+
+  void fit() {
+    std::vector<std::vector<uint32_t>> members(planes_.size());
+    for (uint32_t i = 0; i < scan_.size(); ++i) {
+      if (point_face_[i] != kNoRegion) members[static_cast<size_t>(point_face_[i])].push_back(i);
+    }
+    fits_.assign(planes_.size(), {});
+    std::vector<Vec3> points;
+    std::vector<double> weights;
+    for (size_t f = 0; f < planes_.size(); ++f) {
+      if (members[f].size() < min_points_) continue;
+      points.clear();
+      weights.clear();
+      for (uint32_t i : members[f]) {
+        const double s = sigma_across(sigma_mm_[i], scan_.ray_direction(i), planes_[f].normal);
+        points.push_back(scan_.points[i]);
+        weights.push_back(1 / (s * s));
+      }
+      const auto fitted = fit_plane(points, weights, planes_[f].normal);
+      if (!fitted) continue;
+      fits_[f] = *fitted;
+      planes_[f] = {fitted->normal, fitted->d_mm};
+      scale_[f] = noise_scale(*fitted);
+    }
+  }
+
+  bool drop_small() {
+    std::vector<int32_t> new_index(planes_.size(), kNoRegion);
+    int32_t kept = 0;
+    for (size_t f = 0; f < planes_.size(); ++f) {
+      if (fits_[f].points == 0) continue;
+      new_index[f] = kept;
+      planes_[static_cast<size_t>(kept)] = planes_[f];
+      fits_[static_cast<size_t>(kept)] = fits_[f];
+      scale_[static_cast<size_t>(kept)] = scale_[f];
+      ++kept;
+    }
+    const bool dropped = static_cast<size_t>(kept) != planes_.size();
+    planes_.resize(static_cast<size_t>(kept));
+    fits_.resize(static_cast<size_t>(kept));
+    scale_.resize(static_cast<size_t>(kept));
+    const auto renumber = [&](int32_t& f) {
+      if (f != kNoRegion) f = new_index[static_cast<size_t>(f)];
+    };
+    std::for_each(point_face_.begin(), point_face_.end(), renumber);
+    std::for_each(vertex_face_.begin(), vertex_face_.end(), renumber);
+    return dropped;
+  }
+
+  // A vertex goes with its points; one whose points are all in the band stays where it was if it still fits.
+  void relabel_vertices() {
+    std::vector<std::vector<int32_t>> votes(graph_.size());
+    for (uint32_t i = 0; i < scan_.size(); ++i) {
+      if (point_face_[i] != kNoRegion) votes[reconstruction_.point_vertex[i]].push_back(point_face_[i]);
+    }
+    for (uint32_t v = 0; v < graph_.size(); ++v) {
+      if (!votes[v].empty()) {
+        std::sort(votes[v].begin(), votes[v].end());
+        vertex_face_[v] = most_frequent(votes[v]);
+        continue;
+      }
+      const int32_t f = vertex_face_[v];
+      if (f == kNoRegion) continue;
+      const Plane& plane = planes_[static_cast<size_t>(f)];
+      const double sigma =
+          sigma_across(reconstruction_.vertex_sigma_mm[v], reconstruction_.vertex_ray[v], plane.normal);
+      if (std::abs(plane.distance(reconstruction_.vertices[v])) > kGate * sigma) vertex_face_[v] = kNoRegion;
+    }
+  }
+
+  static int32_t most_frequent(const std::vector<int32_t>& sorted) {
+    int32_t best = sorted.front();
+    size_t best_count = 0;
+    for (size_t begin = 0, end = 0; begin < sorted.size(); begin = end) {
+      while (end < sorted.size() && sorted[end] == sorted[begin]) ++end;
+      if (end - begin > best_count) {
+        best_count = end - begin;
+        best = sorted[begin];
+      }
+    }
+    return best;
+  }
+
+  const Scan& scan_;
+  const Reconstruction& reconstruction_;
+  const SurfaceGraph& graph_;
+  size_t min_points_;
+  double band_mm_;
+  std::vector<double> sigma_mm_;
+  std::vector<Plane> planes_;
+  std::vector<PlaneFit> fits_;
+  std::vector<double> scale_;  // of each face's gate: noise_scale()
+  std::vector<int32_t> vertex_face_, point_face_;
+  std::vector<std::vector<int32_t>> candidates_;
+  std::map<std::pair<int32_t, int32_t>, Edge> edges_;
+};
+
+}  // namespace
+
+FittedFaces assign_points(const Scan& scan, const Reconstruction& reconstruction, const SurfaceGraph& graph,
+                          Regions regions, size_t min_points) {
+  return Assigner(scan, reconstruction, graph, std::move(regions), min_points).run();
+}
+
+}  // namespace tetragauge

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Raw points to faces, and faces to their raw points, in turn until nothing changes.
+//
+// Near an edge the ray decides, not the nearest plane: where the ray meets the plane of a face does not
+// depend on the noise along the ray, so that choosing by it cuts neither face's noise on one side and biases
+// neither fit. Points closer to an edge than a band belong to no face, because a spot of finite size sees
+// both.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/faces/grow_regions.hpp"
+#include "host/geometry/fit_plane.hpp"
+#include "host/scan/scan.hpp"
+
+namespace tetragauge {
+
+struct FittedFaces {
+  std::vector<PlaneFit> fits;        // outward
+  std::vector<int32_t> point_face;   // per raw point, kNoRegion: none
+  std::vector<int32_t> vertex_face;  // per vertex
+};
+
+// Faces that lose all but fewer than `min_points` points are dropped.
+FittedFaces assign_points(const Scan& scan, const Reconstruction& reconstruction, const SurfaceGraph& graph,
+                          Regions regions, size_t min_points);
+
+}  // namespace tetragauge

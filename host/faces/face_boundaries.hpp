@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Areas, centroids and neighbours of the faces, with edges put where the planes meet.
+#pragma once
+
+#include <set>
+#include <vector>
+
+#include "host/faces/assign_points.hpp"
+
+namespace tetragauge {
+
+struct FaceExtent {
+  double area_mm2 = 0;
+  Vec3 centroid_mm = Vec3::Zero();  // on the plane
+  std::set<size_t> neighbours;
+  std::vector<uint32_t> triangles;  // wholly on the face, ascending
+};
+
+struct FaceExtents {
+  std::vector<FaceExtent> faces;
+  size_t strips = 0;  // connected strips of triangles that span an edge: the mesh's false chamfers
+};
+
+FaceExtents face_extents(const Reconstruction& reconstruction, const SurfaceGraph& graph,
+                         const FittedFaces& fitted);
+
+}  // namespace tetragauge

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/faces/find_faces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include "host/faces/assign_points.hpp"
+#include "host/faces/compare_planes.hpp"
+#include "host/faces/face_boundaries.hpp"
+#include "host/faces/grow_regions.hpp"
+#include "host/faces/select_faces.hpp"
+#include "host/faces/surface_graph.hpp"
+
+namespace tetragauge {
+namespace {
+
+// Area descending, then centroid: the same for any order of the points.
+std::vector<size_t> canonical_face_order(const FaceExtents& extents) {
+  std::vector<size_t> order(extents.faces.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  const auto key = [&](size_t f) {
+    const FaceExtent& e = extents.faces[f];
+    return std::tuple(-e.area_mm2, e.centroid_mm.x(), e.centroid_mm.y(), e.centroid_mm.z());
+  };
+  std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return key(a) < key(b); });
+  return order;
+}
+
+// Faces whose planes the data cannot tell apart share a surface.
+void number_surfaces(std::vector<Face>& faces, const std::vector<PlaneFit>& fits) {
+  int surfaces = 0;
+  for (size_t f = 0; f < faces.size(); ++f) {
+    for (size_t g = 0; g < f && faces[f].surface == 0; ++g) {
+      if (fits[f].normal.dot(fits[g].normal) > 0 && plane_chi2(fits[g], fits[f]) < kSamePlaneChi2)
+        faces[f].surface = faces[g].surface;
+    }
+    if (faces[f].surface == 0) faces[f].surface = ++surfaces;
+  }
+}
+
+MeasuredFaces describe(const Scan& scan, const FittedFaces& fitted, FaceExtents extents) {
+  MeasuredFaces result;
+  const std::vector<size_t> order = canonical_face_order(extents);
+  std::vector<int> id(order.size());
+  for (size_t k = 0; k < order.size(); ++k) id[order[k]] = static_cast<int>(k) + 1;
+
+  std::vector<PlaneFit> fits;
+  for (size_t f : order) {
+    const PlaneFit& fit = fitted.fits[f];
+    Face face;
+    face.id = id[f];
+    face.normal = fit.normal;
+    face.d_mm = fit.d_mm;
+    face.point_mm = extents.faces[f].centroid_mm;
+    face.area_mm2 = extents.faces[f].area_mm2;
+    face.covariance = covariance_at(fit, face.point_mm);
+    face.covariance->matrix *= std::pow(noise_scale(fit), 2);
+    for (size_t g : extents.faces[f].neighbours) face.neighbours.push_back(id[g]);
+    std::sort(face.neighbours.begin(), face.neighbours.end());
+    face.points = fit.points;
+    result.list.faces.push_back(std::move(face));
+    result.face_triangles.push_back(std::move(extents.faces[f].triangles));
+    fits.push_back(fit);
+  }
+  number_surfaces(result.list.faces, fits);
+
+  result.face_points.resize(order.size());
+  result.rms_mm.assign(order.size(), 0);
+  for (uint32_t i = 0; i < scan.size(); ++i) {
+    if (fitted.point_face[i] == kNoRegion) continue;
+    const auto k = static_cast<size_t>(id[static_cast<size_t>(fitted.point_face[i])] - 1);
+    result.face_points[k].push_back(i);
+    result.rms_mm[k] += std::pow(fits[k].normal.dot(scan.points[i]) - fits[k].d_mm, 2);
+    ++result.points_used;
+  }
+  for (size_t k = 0; k < order.size(); ++k)
+    result.rms_mm[k] = std::sqrt(result.rms_mm[k] / static_cast<double>(fits[k].points));
+  result.points_rejected = scan.size() - result.points_used;
+  return result;
+}
+
+}  // namespace
+
+Result<MeasuredFaces> find_faces(const Scan& scan, const Reconstruction& reconstruction,
+                                 const FindFacesOptions& options) {
+  if (options.min_points < 3)
+    return usage_error("faces: a plane needs at least 3 points; min_points is " +
+                       std::to_string(options.min_points));
+  if (reconstruction.point_vertex.size() != scan.size())
+    return internal_error("faces: the reconstruction belongs to another scan");
+
+  const SurfaceGraph graph = surface_graph(reconstruction);
+  // Averaged vertices are fewer than points: a region of few vertices may still hold enough points.
+  constexpr size_t kMinVertices = 6;
+  FittedFaces fitted = assign_points(scan, reconstruction, graph,
+                                     grow_regions(reconstruction, graph, kMinVertices), options.min_points);
+  size_t false_chamfers = 0;
+  constexpr int kRounds = 8;
+  for (int round = 0; round < kRounds; ++round) {
+    Selection selection = select_faces(scan, reconstruction, graph, fitted);
+    false_chamfers += selection.false_chamfers;
+    if (!selection.changed) break;
+    fitted = assign_points(scan, reconstruction, graph, std::move(selection.regions), options.min_points);
+  }
+  fitted = split_unconnected(scan, reconstruction, graph, std::move(fitted), options.min_points);
+
+  FaceExtents extents = face_extents(reconstruction, graph, fitted);
+  false_chamfers += extents.strips;
+  MeasuredFaces result = describe(scan, fitted, std::move(extents));
+  result.false_chamfers_dropped = false_chamfers;
+  return result;
+}
+
+}  // namespace tetragauge

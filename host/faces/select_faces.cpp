@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/faces/select_faces.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+#include "host/faces/compare_planes.hpp"
+#include "host/reconstruct/average_points.hpp"
+
+namespace tetragauge {
+namespace {
+
+constexpr double kGate = 3;  // sigma
+// Surface that turns by less than half a degree is one plane with a form error; a wall with one degree of
+// draft must still be told from its neighbour.
+constexpr double kFlatTurn = 0.0087;  // rad
+
+class Selector {
+ public:
+  Selector(const Scan& scan, const Reconstruction& reconstruction, const SurfaceGraph& graph,
+           const FittedFaces& fitted)
+      : scan_(scan),
+        reconstruction_(reconstruction),
+        graph_(graph),
+        fitted_(fitted),
+        sigma_mm_(floored_sigma_mm(scan)),
+        members_(fitted.fits.size()),
+        neighbours_(fitted.fits.size()),
+        becomes_(fitted.fits.size()) {
+    std::iota(becomes_.begin(), becomes_.end(), 0);
+    for (uint32_t i = 0; i < scan.size(); ++i) {
+      if (fitted.point_face[i] != kNoRegion) members_[static_cast<size_t>(fitted.point_face[i])].push_back(i);
+    }
+    find_neighbours();
+  }
+
+  Selection run() {
+    Selection selection;
+    unite();
+    for (size_t f = 0; f < becomes_.size(); ++f) {
+      if (becomes_[f] != static_cast<int32_t>(f)) continue;
+      const bool chamfer = is_false_chamfer(f);
+      if (!chamfer && !is_too_narrow(f) && !is_curved(f)) continue;
+      if (chamfer) ++selection.false_chamfers;
+      becomes_[f] = kNoRegion;
+    }
+    selection.regions = regions_left(selection.changed);
+    return selection;
+  }
+
+ private:
+  // Faces within two edges on the surface.
+  void find_neighbours() {
+    for (uint32_t v = 0; v < graph_.size(); ++v) {
+      const int32_t f = fitted_.vertex_face[v];
+      if (f == kNoRegion) continue;
+      const auto add = [&](uint32_t w) {
+        const int32_t g = fitted_.vertex_face[w];
+        if (g != kNoRegion && g != f) neighbours_[static_cast<size_t>(f)].insert(g);
+      };
+      for (uint32_t n : graph_.around(v)) {
+        add(n);
+        for (uint32_t m : graph_.around(n)) add(m);
+      }
+    }
+  }
+
+  void unite() {
+    for (size_t f = 0; f < becomes_.size(); ++f) {
+      for (int32_t g : neighbours_[f]) {
+        const auto other = static_cast<size_t>(g);
+        if (other <= f || becomes_[other] != g || becomes_[f] != static_cast<int32_t>(f)) continue;
+        if (fitted_.fits[f].normal.dot(fitted_.fits[other].normal) <= 0) continue;
+        if (plane_chi2(fitted_.fits[f], fitted_.fits[other]) < kSamePlaneChi2 || goes_on_flat(f, other))
+          becomes_[other] = static_cast<int32_t>(f);
+      }
+    }
+  }
+
+  // Whether two faces are pieces of one slightly bowed face: hardly turned, and without a step where they
+  // meet.
+  bool goes_on_flat(size_t f, size_t g) const {
+    const PlaneFit &a = fitted_.fits[f], &b = fitted_.fits[g];
+    if (a.normal.cross(b.normal).norm() > kFlatTurn) return false;
+    size_t level = 0, all = 0;
+    for (uint32_t v = 0; v < graph_.size(); ++v) {
+      if (fitted_.vertex_face[v] != static_cast<int32_t>(f)) continue;
+      for (uint32_t n : graph_.around(v)) {
+        if (fitted_.vertex_face[n] != static_cast<int32_t>(g)) continue;
+        ++all;
+        if (vertex_on_plane(n, a) && vertex_on_plane(v, b)) ++level;
+      }
+    }
+    return all >= 3 && 10 * level >= 7 * all;
+  }
+
+  bool vertex_on_plane(uint32_t v, const PlaneFit& plane) const {
+    return std::abs(plane.normal.dot(reconstruction_.vertices[v]) - plane.d_mm) <=
+           kGate * vertex_sigma(v, plane);
+  }
+  double vertex_sigma(uint32_t v, const PlaneFit& plane) const {
+    return sigma_across(reconstruction_.vertex_sigma_mm[v], reconstruction_.vertex_ray[v], plane.normal);
+  }
+
+  double sigma(uint32_t i, const Vec3& normal) const {
+    return sigma_across(sigma_mm_[i], scan_.ray_direction(i), normal);
+  }
+
+  // Larger neighbours explain (nearly) all its points: a strip across an edge, or a crumb of a bowed face.
+  bool is_false_chamfer(size_t f) const {
+    size_t explained = 0;
+    for (uint32_t i : members_[f]) {
+      const bool by_neighbour = std::any_of(neighbours_[f].begin(), neighbours_[f].end(), [&](int32_t g) {
+        if (becomes_[static_cast<size_t>(g)] != g) return false;
+        const PlaneFit& plane = fitted_.fits[static_cast<size_t>(g)];
+        return plane.normal.dot(scan_.ray_direction(i)) < 0 &&
+               std::abs(plane.normal.dot(scan_.points[i]) - plane.d_mm) <= kGate * sigma(i, plane.normal);
+      });
+      if (by_neighbour) ++explained;
+    }
+    return 10 * explained >= 9 * members_[f].size();  // a tenth: points the gate lets past by chance
+  }
+
+  // A face is at least 2 spacings wide; the bands at its edges leave it 1.5, and a row of points at spacing s
+  // spans less than the face by half a spacing on either side.
+  bool is_too_narrow(size_t f) const {
+    const PlaneFit& plane = fitted_.fits[f];
+    Mat3 scatter = Mat3::Zero();
+    Vec3 mean = Vec3::Zero();
+    for (uint32_t i : members_[f]) mean += scan_.points[i] - plane.centroid_mm;
+    mean /= static_cast<double>(members_[f].size());
+    for (uint32_t i : members_[f]) {
+      const Vec3 r = scan_.points[i] - plane.centroid_mm - mean;
+      scatter += r * r.transpose();
+    }
+    const Eigen::SelfAdjointEigenSolver<Mat3> eigen(scatter / static_cast<double>(members_[f].size()),
+                                                    Eigen::EigenvaluesOnly);
+    const double width = std::sqrt(12 * eigen.eigenvalues()[1]);  // of a uniform strip
+    return width < reconstruction_.point_spacing_mm;
+  }
+
+  // A piece of a curved surface has a bow as deep as the gate, and goes on smoothly beyond its rim. A bowed
+  // real face ends at edges.
+  bool is_curved(size_t f) const {
+    const PlaneFit& plane = fitted_.fits[f];
+    Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
+    Eigen::Matrix<double, 6, 1> right = Eigen::Matrix<double, 6, 1>::Zero();
+    std::vector<Eigen::Matrix<double, 6, 1>> rows;
+    double scale = 0, typical_sigma = 0;
+    for (uint32_t i : members_[f]) scale = std::max(scale, (scan_.points[i] - plane.centroid_mm).norm());
+    for (uint32_t i : members_[f]) {
+      const Vec3 r = (scan_.points[i] - plane.centroid_mm) / scale;
+      const double a = r.dot(plane.covariance.u), b = r.dot(plane.covariance.v), s = sigma(i, plane.normal);
+      Eigen::Matrix<double, 6, 1> row;
+      row << 1, a, b, a * a, a * b, b * b;
+      information += row * row.transpose() / (s * s);
+      right += row * (r.dot(plane.normal) * scale) / (s * s);
+      rows.push_back(row);
+      typical_sigma += s;
+    }
+    typical_sigma /= static_cast<double>(members_[f].size());
+    const Eigen::Matrix<double, 6, 1> solution = information.ldlt().solve(right);
+    const double gained = right.dot(solution);  // chi-square that the bow explains beyond the plane
+    double low = 0, high = 0;
+    for (const auto& row : rows) {
+      const double height = row.dot(solution);
+      low = std::min(low, height);
+      high = std::max(high, height);
+    }
+    const double turn =
+        2 * std::max({std::abs(solution[3]), std::abs(solution[4]), std::abs(solution[5])}) / scale;
+    // Gained by chance: 3 degrees of freedom, as in kSamePlaneChi2.
+    const double vertex_sigma =
+        typical_sigma * std::min(1.0, reconstruction_.point_spacing_mm / reconstruction_.vertex_spacing_mm);
+    return turn > kFlatTurn && gained > kSamePlaneChi2 && high - low > kGate * vertex_sigma &&
+           soft_rim_share(f) > 0.3;
+  }
+
+  // Share of the rim across which the surface goes on with a slope of less than a third (about 18 degrees).
+  double soft_rim_share(size_t f) const {
+    constexpr double kSmoothSlope = 1.0 / 3;
+    const PlaneFit& plane = fitted_.fits[f];
+    size_t soft = 0, hard = 0;
+    for (uint32_t v = 0; v < graph_.size(); ++v) {
+      if (fitted_.vertex_face[v] != static_cast<int32_t>(f)) continue;
+      for (uint32_t n : graph_.around(v)) {
+        if (fitted_.vertex_face[n] == static_cast<int32_t>(f)) continue;
+        const Vec3 step = reconstruction_.vertices[n] - reconstruction_.vertices[v];
+        const double off = std::abs(plane.normal.dot(reconstruction_.vertices[n]) - plane.d_mm);
+        if (off <= kGate * vertex_sigma(n, plane)) continue;  // still on the plane: tells nothing
+        ++(off < kSmoothSlope * step.norm() ? soft : hard);
+      }
+    }
+    return soft + hard == 0 ? 0 : static_cast<double>(soft) / static_cast<double>(soft + hard);
+  }
+
+  Regions regions_left(bool& changed) const {
+    Regions regions;
+    std::vector<int32_t> new_index(becomes_.size(), kNoRegion);
+    for (size_t f = 0; f < becomes_.size(); ++f) {
+      if (becomes_[f] != static_cast<int32_t>(f)) {
+        changed = true;
+        continue;
+      }
+      new_index[f] = static_cast<int32_t>(regions.planes.size());
+      regions.planes.push_back({fitted_.fits[f].normal, fitted_.fits[f].d_mm});
+    }
+    regions.vertex_region = fitted_.vertex_face;
+    for (int32_t& f : regions.vertex_region) {
+      if (f == kNoRegion) continue;
+      const int32_t g = becomes_[static_cast<size_t>(f)];
+      f = g == kNoRegion ? kNoRegion : new_index[static_cast<size_t>(g)];
+    }
+    return regions;
+  }
+
+  const Scan& scan_;
+  const Reconstruction& reconstruction_;
+  const SurfaceGraph& graph_;
+  const FittedFaces& fitted_;
+  std::vector<double> sigma_mm_;
+  std::vector<std::vector<uint32_t>> members_;
+  std::vector<std::set<int32_t>> neighbours_;
+  std::vector<int32_t> becomes_;  // itself, the face it is united with, or kNoRegion
+};
+
+}  // namespace
+
+Selection select_faces(const Scan& scan, const Reconstruction& reconstruction, const SurfaceGraph& graph,
+                       const FittedFaces& fitted) {
+  return Selector(scan, reconstruction, graph, fitted).run();
+}
+
+FittedFaces split_unconnected(const Scan& scan, const Reconstruction& reconstruction,
+                              const SurfaceGraph& graph, FittedFaces fitted, size_t min_points) {
+  std::vector<int32_t> piece(graph.size(), kNoRegion), face_of_piece;
+  for (uint32_t seed = 0; seed < graph.size(); ++seed) {
+    const int32_t face = fitted.vertex_face[seed];
+    if (face == kNoRegion || piece[seed] != kNoRegion) continue;
+    const auto id = static_cast<int32_t>(face_of_piece.size());
+    face_of_piece.push_back(face);
+    std::vector<uint32_t> queue{seed};
+    piece[seed] = id;
+    for (size_t at = 0; at < queue.size(); ++at) {
+      for (uint32_t n : graph.around(queue[at])) {
+        if (piece[n] != kNoRegion || fitted.vertex_face[n] != face) continue;
+        piece[n] = id;
+        queue.push_back(n);
+      }
+    }
+  }
+  std::vector<std::vector<uint32_t>> members(face_of_piece.size());
+  for (uint32_t i = 0; i < scan.size(); ++i) {
+    const uint32_t v = reconstruction.point_vertex[i];
+    if (fitted.point_face[i] != kNoRegion && fitted.point_face[i] == fitted.vertex_face[v])
+      members[static_cast<size_t>(piece[v])].push_back(i);
+  }
+
+  const std::vector<double> sigma_mm = floored_sigma_mm(scan);
+  FittedFaces result;
+  result.point_face.assign(scan.size(), kNoRegion);
+  std::vector<int32_t> new_index(face_of_piece.size(), kNoRegion);
+  for (size_t p = 0; p < members.size(); ++p) {
+    if (members[p].size() < min_points) continue;
+    const Vec3 normal = fitted.fits[static_cast<size_t>(face_of_piece[p])].normal;
+    std::vector<Vec3> points;
+    std::vector<double> weights;
+    for (uint32_t i : members[p]) {
+      const double s = sigma_across(sigma_mm[i], scan.ray_direction(i), normal);
+      points.push_back(scan.points[i]);
+      weights.push_back(1 / (s * s));
+    }
+    const auto plane = fit_plane(points, weights, normal);
+    if (!plane) continue;
+    new_index[p] = static_cast<int32_t>(result.fits.size());
+    for (uint32_t i : members[p]) result.point_face[i] = new_index[p];
+    result.fits.push_back(*plane);
+  }
+  result.vertex_face.assign(graph.size(), kNoRegion);
+  for (uint32_t v = 0; v < graph.size(); ++v) {
+    if (piece[v] != kNoRegion) result.vertex_face[v] = new_index[static_cast<size_t>(piece[v])];
+  }
+  return result;
+}
+
+}  // namespace tetragauge

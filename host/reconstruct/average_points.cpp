@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/reconstruct/average_points.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <tuple>
+
+#include "host/geometry/fit_plane.hpp"
+#include "host/reconstruct/point_spacing.hpp"
+
+namespace tetragauge {
+namespace {
+
+using GridKey = std::array<int64_t, 3>;
+
+std::tuple<double, double, double> coordinates(const Vec3& p) {
+  return {p.x(), p.y(), p.z()};
+}
+
+class Averager {
+ public:
+  Averager(const Scan& scan, const std::vector<double>& sigma_mm, double spacing_mm, AveragedPoints& result)
+      : scan_(scan),
+        sigma_mm_(sigma_mm),
+        spacing_mm_(spacing_mm),
+        reach_mm_(1.5 * spacing_mm),
+        result_(result) {}
+
+  // Each point in turn, if it is not in a vertex yet, gathers the free points around it that lie on its local
+  // plane. Neighbourhoods that are not plane are halved, twice; then the point stays alone.
+  void run(const std::vector<uint32_t>& order) {
+    sort_into_grid(order);
+    taken_.assign(scan_.size(), 0);
+    std::vector<uint32_t> around, members;
+    for (uint32_t seed : order) {
+      if (taken_[seed]) continue;
+      collect_around(seed, around);
+      members.assign(1, seed);
+      for (double scale = 1; scale >= 0.25 && around.size() > 1; scale /= 2) {
+        if (gather(seed, around, scale, members)) break;
+      }
+      for (uint32_t i : members) taken_[i] = 1;
+      add_vertex(members);
+    }
+  }
+
+ private:
+  GridKey key(uint32_t i) const {
+    const Vec3 g = (scan_.points[i] - origin_) / reach_mm_;
+    return {static_cast<int64_t>(std::floor(g.x())), static_cast<int64_t>(std::floor(g.y())),
+            static_cast<int64_t>(std::floor(g.z()))};
+  }
+
+  void sort_into_grid(const std::vector<uint32_t>& order) {
+    origin_ = scan_.points[order.front()];
+    for (uint32_t i : order) origin_ = origin_.cwiseMin(scan_.points[i]);
+    std::vector<std::pair<GridKey, uint32_t>> keyed;
+    keyed.reserve(order.size());
+    for (uint32_t i : order) keyed.emplace_back(key(i), i);
+    std::stable_sort(keyed.begin(), keyed.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (const auto& [k, i] : keyed) {
+      if (cells_.empty() || cells_.back() != k) {
+        cells_.push_back(k);
+        cell_begin_.push_back(sorted_.size());
+      }
+      sorted_.push_back(i);
+    }
+    cell_begin_.push_back(sorted_.size());
+  }
+
+  // Points within reach that were seen from the same side, the seed among them, nearest cells in fixed order.
+  void collect_around(uint32_t seed, std::vector<uint32_t>& around) const {
+    around.clear();
+    const GridKey k = key(seed);
+    const Vec3 ray = scan_.ray_direction(seed);
+    for (int64_t x = k[0] - 1; x <= k[0] + 1; ++x) {
+      for (int64_t y = k[1] - 1; y <= k[1] + 1; ++y) {
+        // Three cells in a row are neighbours in the sorted list.
+        auto cell = std::lower_bound(cells_.begin(), cells_.end(), GridKey{x, y, k[2] - 1});
+        for (; cell != cells_.end() && (*cell)[0] == x && (*cell)[1] == y && (*cell)[2] <= k[2] + 1; ++cell) {
+          const auto c = static_cast<size_t>(cell - cells_.begin());
+          for (size_t at = cell_begin_[c]; at < cell_begin_[c + 1]; ++at) {
+            const uint32_t i = sorted_[at];
+            if ((scan_.points[i] - scan_.points[seed]).squaredNorm() <= reach_mm_ * reach_mm_ &&
+                ray.dot(scan_.ray_direction(i)) > 0)
+              around.push_back(i);
+          }
+        }
+      }
+    }
+  }
+
+  // If the points within `scale` times the reach lie on a plane: the free ones that are near the seed along
+  // it become members.
+  bool gather(uint32_t seed, const std::vector<uint32_t>& around, double scale,
+              std::vector<uint32_t>& members) {
+    const double reach2 = std::pow(scale * reach_mm_, 2);
+    near_.clear();
+    for (uint32_t i : around) {
+      if ((scan_.points[i] - scan_.points[seed]).squaredNorm() <= reach2) near_.push_back(i);
+    }
+    if (near_.size() < 2) return true;
+    const auto plane = local_plane();
+    if (!plane || std::abs(plane->normal.dot(scan_.points[seed]) - plane->d_mm) > gate(seed, plane->normal))
+      return false;
+    // Half discs (the other half went to earlier seeds) of this radius are one square of the spacing.
+    const double radius2 = std::pow(0.75 * scale * spacing_mm_, 2);
+    for (uint32_t i : near_) {
+      if (i == seed || taken_[i]) continue;
+      const Vec3 r = scan_.points[i] - scan_.points[seed];
+      const double height = plane->normal.dot(r);
+      if (r.squaredNorm() - height * height > radius2) continue;
+      if (std::abs(plane->normal.dot(scan_.points[i]) - plane->d_mm) <= gate(i, plane->normal))
+        members.push_back(i);
+    }
+    return true;
+  }
+
+  double gate(uint32_t i, const Vec3& normal) const {
+    return 3.5 * sigma_mm_[i] * std::max(0.05, std::abs(normal.dot(scan_.ray_direction(i))));
+  }
+
+  // Of near_; nothing if they do not lie on one plane. A tenth of them may be outliers.
+  std::optional<PlaneFit> local_plane() {
+    constexpr size_t kEnoughToJudge = 6;  // 3 parameters, and as many degrees of freedom to test them
+    if (near_.size() < kEnoughToJudge) return std::nullopt;
+    std::vector<uint32_t> used = near_;
+    for (int pass = 0; pass < 2; ++pass) {
+      points_.clear();
+      weights_.clear();
+      for (uint32_t i : used) {
+        points_.push_back(scan_.points[i]);
+        weights_.push_back(1 / (sigma_mm_[i] * sigma_mm_[i]));
+      }
+      const auto plane = fit_plane(points_, weights_, Vec3::UnitZ());
+      if (!plane) return std::nullopt;
+      std::vector<uint32_t> good;
+      double chi2 = 0;
+      for (uint32_t i : used) {
+        const double distance = plane->normal.dot(scan_.points[i]) - plane->d_mm;
+        const double limit = gate(i, plane->normal);
+        if (std::abs(distance) > limit) continue;
+        good.push_back(i);
+        chi2 += std::pow(3.5 * distance / limit, 2);
+      }
+      if (10 * good.size() < 9 * near_.size()) return std::nullopt;
+      // Twice the expected value: past that it is a crease or a curve, not noise.
+      if (good.size() == used.size())
+        return chi2 <= 2 * static_cast<double>(good.size() - 3) ? plane : std::nullopt;
+      used = std::move(good);
+      if (used.size() < kEnoughToJudge) return std::nullopt;
+    }
+    return std::nullopt;
+  }
+
+  void add_vertex(std::span<const uint32_t> members) {
+    double total = 0;
+    Vec3 mean = Vec3::Zero(), ray = Vec3::Zero();
+    const Vec3 base = scan_.points[members.front()];
+    for (uint32_t i : members) {
+      const double weight = 1 / (sigma_mm_[i] * sigma_mm_[i]);
+      total += weight;
+      mean += weight * (scan_.points[i] - base);
+      ray += weight * scan_.ray_direction(i);
+    }
+    const auto index = static_cast<uint32_t>(result_.vertices.size());
+    result_.vertices.push_back(base + mean / total);
+    result_.sigma_mm.push_back(static_cast<float>(1 / std::sqrt(total)));
+    result_.ray.push_back(ray.normalized());  // all within 90 degrees of the first: never zero
+    for (uint32_t i : members) result_.point_vertex[i] = index;
+  }
+
+  const Scan& scan_;
+  const std::vector<double>& sigma_mm_;
+  double spacing_mm_, reach_mm_;
+  AveragedPoints& result_;
+  Vec3 origin_;
+  std::vector<uint32_t> sorted_;    // by grid cell, canonical within
+  std::vector<GridKey> cells_;      // occupied, ascending
+  std::vector<size_t> cell_begin_;  // into sorted_, and its size at the end
+  std::vector<uint8_t> taken_;
+  std::vector<uint32_t> near_;
+  std::vector<Vec3> points_;
+  std::vector<double> weights_;
+};
+
+// Ascending order; vertices at exactly the same place become one (their sigmas combine).
+void sort_and_unite(AveragedPoints& averaged) {
+  const size_t n = averaged.vertices.size();
+  std::vector<uint32_t> order(n);
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    return coordinates(averaged.vertices[a]) < coordinates(averaged.vertices[b]);
+  });
+  AveragedPoints sorted;
+  std::vector<uint32_t> new_index(n);
+  for (uint32_t i : order) {
+    if (sorted.vertices.empty() || averaged.vertices[i] != sorted.vertices.back()) {
+      sorted.vertices.push_back(averaged.vertices[i]);
+      sorted.sigma_mm.push_back(averaged.sigma_mm[i]);
+      sorted.ray.push_back(averaged.ray[i]);
+    } else {
+      const double a = sorted.sigma_mm.back(), b = averaged.sigma_mm[i];
+      sorted.sigma_mm.back() = static_cast<float>(a * b / std::hypot(a, b));
+    }
+    new_index[i] = static_cast<uint32_t>(sorted.vertices.size() - 1);
+  }
+  for (uint32_t& v : averaged.point_vertex) v = new_index[v];
+  averaged.vertices = std::move(sorted.vertices);
+  averaged.sigma_mm = std::move(sorted.sigma_mm);
+  averaged.ray = std::move(sorted.ray);
+}
+
+}  // namespace
+
+std::vector<uint32_t> canonical_order(const Scan& scan) {
+  std::vector<uint32_t> order(scan.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto value = [&](uint32_t i) {
+    return std::tuple(coordinates(scan.points[i]), coordinates(scan.ray_origins[i]), scan.sigma_mm[i]);
+  };
+  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return value(a) < value(b); });
+  return order;
+}
+
+std::vector<double> floored_sigma_mm(const Scan& scan) {
+  if (scan.size() == 0) return {};
+  Vec3 low = scan.points.front(), high = low;
+  for (const Vec3& p : scan.points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const double floor_mm = std::max(1e-6 * (high - low).norm(), 1e-9);
+  std::vector<double> sigma(scan.size());
+  for (size_t i = 0; i < scan.size(); ++i) sigma[i] = std::max<double>(scan.sigma_mm[i], floor_mm);
+  return sigma;
+}
+
+AveragedPoints average_points(const Scan& scan, double spacing_mm) {
+  AveragedPoints result;
+  if (scan.size() == 0) return result;
+  const std::vector<uint32_t> order = canonical_order(scan);
+  const std::vector<double> sigma = floored_sigma_mm(scan);
+  std::vector<double> sorted_sigma = sigma;
+  std::nth_element(sorted_sigma.begin(), sorted_sigma.begin() + static_cast<long>(sigma.size() / 2),
+                   sorted_sigma.end());
+  const double typical_sigma = sorted_sigma[sigma.size() / 2];
+
+  std::vector<Vec3> distinct;
+  distinct.reserve(order.size());
+  for (uint32_t i : order) {
+    if (distinct.empty() || distinct.back() != scan.points[i]) distinct.push_back(scan.points[i]);
+  }
+  result.point_spacing_mm = point_spacing(distinct, typical_sigma);
+  const double s = result.point_spacing_mm;
+  // Averaging k points of spacing s into one of spacing h = s sqrt(k) leaves sigma / sqrt(k); h is 10 times
+  // that at h = sqrt(10 sigma s). Where s > 10 sigma only crowds (closer than 10 sigma) are averaged.
+  result.vertex_spacing_mm = spacing_mm > 0 ? spacing_mm : std::max(s, std::sqrt(10 * typical_sigma * s));
+  const double spacing =
+      spacing_mm > 0 ? spacing_mm : std::sqrt(10 * typical_sigma * std::min(s, 10 * typical_sigma));
+
+  result.point_vertex.resize(scan.size());
+  result.vertices.reserve(scan.size());
+  Averager(scan, sigma, std::max(spacing, 1e-9), result).run(order);
+  sort_and_unite(result);
+  return result;
+}
+
+}  // namespace tetragauge

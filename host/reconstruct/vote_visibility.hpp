@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What each measuring ray says about the tetrahedra: air along its way, solid just behind its point.
+// Soft visibility after Labatut, Pons, Keriven, Computer Graphics Forum 28 (2009) 2275, section 4.1, with the
+// ray's own sigma instead of one for all.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/reconstruct/average_points.hpp"
+#include "host/reconstruct/tetrahedra.hpp"
+#include "host/scan/scan.hpp"
+
+namespace tetragauge {
+
+// Votes are integers (1000 = one ray of typical sigma), so that sums do not depend on their order.
+using Votes = int64_t;
+constexpr Votes kOneRay = 1000;
+
+struct Visibility {
+  // Per cell: a ray came into the triangulation here; a ray ends here, three sigma beyond its point.
+  std::vector<Votes> from_outside, into_inside;
+  // Per cell and facet i: rays that travel, light's way, from the neighbour across facet i into this cell,
+  // and so speak against a surface there with the neighbour air and this cell solid: surely so far before or
+  // behind their point, hardly within its noise.
+  std::vector<std::array<Votes, 4>> entered_through;
+  std::vector<Votes> air, solid;  // per cell: rays crossing on their way, and behind their point
+  std::vector<uint8_t> crossed;   // per cell: a ray crossed it, whatever its weight (thesis's carving)
+  size_t rays_walked = 0, rays_lost = 0;
+};
+
+Visibility vote_visibility(const Tetrahedra& tetrahedra, const Scan& scan, const AveragedPoints& averaged);
+
+}  // namespace tetragauge
