@@ -17,12 +17,12 @@
 namespace tetragauge {
 
 struct EmulatedMachineOptions {
-  std::filesystem::path part;  // model of the part as really made
-  std::string place;           // RX,RY,RZ,TX,TY,TZ; empty: as modelled
+  std::filesystem::path part{};  // model of the part as really made
+  std::string place{};           // RX,RY,RZ,TX,TY,TZ; empty: as modelled
   uint64_t seed = 1;
-  std::filesystem::path world;  // empty: the nominal world
+  std::filesystem::path world{};  // empty: the nominal world
   std::string speed = "max";
-  std::filesystem::path emulator;                   // empty: tetragauge-emulator beside the running program
+  std::filesystem::path emulator{};                 // empty: tetragauge-emulator beside the running program
   std::chrono::milliseconds start_timeout{60'000};  // reading a large model takes its time
 };
 

@@ -14,12 +14,24 @@ void say(const ScanOptions& options, const std::string& line) {
   if (options.log) options.log(line);
 }
 
-// Stream items of an earlier scan that nobody took are given up.
-Status forget_old_scan(Link& link, const tg_Status& status) {
+// Ends a scan of an earlier session. Its points are given up first: the machine keeps the end of the scan
+// back until there is room for it.
+Status end_old_scan(Link& link, const tg_Status& status) {
   tg_HostMessage message = tg_HostMessage_init_zero;
   message.which_body = tg_HostMessage_points_credit_tag;
   message.body.points_credit = {status.plan_id, status.stream_next, status.stream_next};
-  return link.send_event(message);
+  if (const Status done = link.send_event(message); !done) return done;
+  if (const Status done = command(link, tg_HostMessage_scan_abort_tag); !done) return done;
+  const auto deadline = std::chrono::steady_clock::now() + link.silence();
+  while (std::chrono::steady_clock::now() < deadline) {
+    const auto now = link.status();
+    if (!now) return now.error();
+    if (now->state != tg_State_STATE_SCANNING && now->state != tg_State_STATE_PAUSED) return Done{};
+    const auto heard = link.wait_for_frame(milliseconds(20));
+    if (!heard) return heard.error();
+  }
+  return machine_error(link.device() +
+                       ": the machine does not end the scan of an earlier session; switch it off and on");
 }
 
 Status wait_until_homed(Link& link, const ScanOptions& options) {
@@ -56,7 +68,7 @@ Status prepare_machine(Link& link, const ScanOptions& options) {
   if (!status) return status.error();
   if (status->state == tg_State_STATE_SCANNING || status->state == tg_State_STATE_PAUSED) {
     say(options, "the machine still has a scan of an earlier session: aborted");
-    if (const Status done = command(link, tg_HostMessage_scan_abort_tag); !done) return done;
+    if (const Status done = end_old_scan(link, *status); !done) return done;
     status = link.status();
     if (!status) return status.error();
   }
@@ -69,11 +81,11 @@ Status prepare_machine(Link& link, const ScanOptions& options) {
     status = link.status();
     if (!status) return status.error();
   }
-  if (status->stream_acked < status->stream_next) {
-    if (const Status done = forget_old_scan(link, *status); !done) return done;
+  if (status->state == tg_State_STATE_READY || status->state == tg_State_STATE_ARMED) {
+    // Drops an earlier plan and what nobody fetched of it.
+    return command(link, tg_HostMessage_scan_abort_tag);
   }
   if (status->state == tg_State_STATE_HOMING) return wait_until_homed(link, options);
-  if (status->homed) return Done{};
   say(options, "homing");
   if (const Status done = command(link, tg_HostMessage_home_tag); !done) return done;
   return wait_until_homed(link, options);

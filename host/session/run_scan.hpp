@@ -29,11 +29,11 @@ struct ScanProgress {
 };
 
 struct ScanOptions {
-  bool keep_table = false;                               // keep points on the table's top
-  std::optional<uint64_t> seed;                          // of an emulated machine, for the scan's header
-  const std::atomic<bool>* stop = nullptr;               // set (Ctrl-C): abort
-  std::function<void(const ScanProgress&)> on_progress;  // after each batch
-  std::function<void(const std::string&)> log;           // what the session does, one line each
+  bool keep_table = false;                                 // keep points on the table's top
+  std::optional<uint64_t> seed{};                          // of an emulated machine, for the scan's header
+  const std::atomic<bool>* stop = nullptr;                 // set (Ctrl-C): abort
+  std::function<void(const ScanProgress&)> on_progress{};  // after each batch
+  std::function<void(const std::string&)> log{};           // what the session does, one line each
 };
 
 struct ScanCounts {

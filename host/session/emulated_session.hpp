@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// For tests: a machine of one's own with a part on it, and a link to it.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+
+#include "host/link/link.hpp"
+#include "host/session/emulated_machine.hpp"
+#include "host/session/run_scan.hpp"
+
+namespace tetragauge {
+
+struct EmulatedSession {
+  std::unique_ptr<EmulatedMachine> machine;
+  std::unique_ptr<Link> link;
+};
+
+inline Result<EmulatedSession> start_session(EmulatedMachineOptions options) {
+  options.emulator = TETRAGAUGE_EMULATOR;
+  EmulatedSession session;
+  auto machine = EmulatedMachine::start(options);
+  if (!machine) return machine.error();
+  session.machine = std::move(*machine);
+  auto transport = open_transport(session.machine->device());
+  if (!transport) return transport.error();
+  auto link = Link::connect(std::move(*transport));
+  if (!link) return link.error();
+  session.link = std::move(*link);
+  return session;
+}
+
+// A file in a folder of this test's own.
+inline std::filesystem::path temporary_file(const std::string& name, const std::string& content) {
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("tetragauge-test-" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  const auto path = folder / name;
+  std::ofstream(path) << content;
+  return path;
+}
+
+inline std::filesystem::path box_file() {
+  return temporary_file("box.csg", "cube(size = [40, 30, 50], center = false);\n");
+}
+
+// 8 views all round a part about 50 mm high, coarse.
+inline ScanPlan plan_all_round(double pitch_mm, uint32_t samples = 44) {
+  ScanPlan plan;
+  for (int k = 0; k < 8; ++k) {
+    PlannedView view;
+    view.table_deg = 45.0 * k;
+    view.slide_mm = 175;
+    view.window = {.y_min_mm = -36, .y_max_mm = 36, .up_min_mm = -42, .up_max_mm = 42};
+    view.pitch_mm = pitch_mm;
+    view.samples = samples;
+    plan.views.push_back(view);
+  }
+  return plan;
+}
+
+}  // namespace tetragauge

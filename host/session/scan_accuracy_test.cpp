@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Points of the emulated machine against the analytic part they were measured on.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+#include "host/session/default_plan.hpp"
+#include "host/session/emulated_session.hpp"
+#include "host/solid/ray_caster.hpp"
+#include "host/solid/solid.hpp"
+
+namespace tetragauge {
+namespace {
+
+struct FaceStatistics {
+  size_t points = 0;
+  double sum_mm = 0, sum_z = 0, sum_z2 = 0;
+
+  double mean_mm() const { return sum_mm / static_cast<double>(points); }
+  double z_deviation() const {
+    const double n = static_cast<double>(points), mean = sum_z / n;
+    return std::sqrt(sum_z2 / n - mean * mean);
+  }
+};
+
+// The part as it stands: centre of its bounding box on the axis, lowest point on the table.
+Solid standing(const std::filesystem::path& part, const Mat3& R) {
+  const auto model = read_solid(part);
+  EXPECT_TRUE(model) << model.error().message;
+  const Solid turned = transformed(*model, {R, Vec3::Zero()});
+  const Vec3 centre = 0.5 * (turned.box_min_mm + turned.box_max_mm);
+  return transformed(turned, {Mat3::Identity(), Vec3(-centre.x(), -centre.y(), -turned.box_min_mm.z())});
+}
+
+// Eight points around `centre`, across `axis`.
+std::array<Vec3, 8> ring(const Vec3& centre, const Vec3& axis, double radius_mm) {
+  const auto [u, v] = tangent_frame(axis);
+  std::array<Vec3, 8> points;
+  for (size_t k = 0; k < points.size(); ++k) {
+    const double angle = static_cast<double>(k) * std::acos(-1.0) / 4;
+    points[k] = centre + radius_mm * (std::cos(angle) * u + std::sin(angle) * v);
+  }
+  return points;
+}
+
+// All around the point on the face there is material below and air above.
+bool away_from_edges(const RayCaster& part, const Vec3& on_face, const Vec3& normal) {
+  constexpr double kMargin_mm = 1.5;
+  for (const Vec3& at : ring(on_face, normal, kMargin_mm)) {
+    if (!part.inside(at - 0.01 * normal) || part.inside(at + 0.01 * normal)) return false;
+  }
+  return on_face.z() > kMargin_mm;
+}
+
+// From the eye either the whole spot is seen or nothing of it: no edge elsewhere cuts through it.
+bool whole_or_hidden(const RayCaster& part, const Vec3& on_face, const Vec3& normal, const Vec3& eye) {
+  constexpr double kSpot_mm = 0.5;
+  size_t hidden = 0;
+  for (const Vec3& at : ring(on_face + 0.01 * normal, normal, kSpot_mm))
+    hidden += part.occluded(at, eye) ? 1 : 0;
+  return hidden == 0 || hidden == 8;
+}
+
+// Lenses in the part frame, as the machine is drawn: on the plate 350 mm from the point aimed at, which is
+// tilted 35 degrees, where lines through that point at 22.5 degrees to the middle cut it.
+std::array<Vec3, 2> lenses(const PlannedView& view) {
+  const double degree = std::acos(-1.0) / 180;
+  const double aside_mm = 350 * std::tan(22.5 * degree);
+  const Vec3 head(350 * std::cos(35 * degree), 0, 200 + 350 * std::sin(35 * degree) - view.slide_mm);
+  const Mat3 turn_back = rotation_from_degrees(0, 0, -view.table_deg);
+  return {turn_back * (head + aside_mm * Vec3::UnitY()), turn_back * (head - aside_mm * Vec3::UnitY())};
+}
+
+// By the face's id: points on it that no edge of the part, near or far, disturbs.
+std::map<int, FaceStatistics> compare(const Scan& scan, const ScanPlan& plan, const Solid& part,
+                                      double reach_mm) {
+  const RayCaster caster(part);
+  std::map<int, FaceStatistics> statistics;
+  for (size_t i = 0; i < scan.size(); ++i) {
+    const Vec3 ray = scan.ray_direction(i);
+    for (size_t f = 0; f < part.faces().size(); ++f) {
+      const Face& face = part.faces()[f];
+      const double distance = face.normal.dot(scan.points[i]) - face.d_mm;
+      const double across = -face.normal.dot(ray);
+      if (std::abs(distance) > reach_mm || across < 0.1) continue;
+      const Vec3 on_face = scan.points[i] - distance * face.normal;
+      const auto hit = caster.first_hit(on_face + face.normal, -face.normal);
+      if (!hit || hit->face != static_cast<int>(f) || !away_from_edges(caster, on_face, face.normal))
+        continue;
+      const auto eyes = lenses(plan.views[scan.view[i]]);
+      if (!whole_or_hidden(caster, on_face, face.normal, eyes[0]) ||
+          !whole_or_hidden(caster, on_face, face.normal, eyes[1]) ||
+          !whole_or_hidden(caster, on_face, face.normal, scan.ray_origins[i])) {
+        continue;
+      }
+      FaceStatistics& s = statistics[face.id];
+      const double z = distance / (static_cast<double>(scan.sigma_mm[i]) * across);
+      ++s.points;
+      s.sum_mm += distance;
+      s.sum_z += z;
+      s.sum_z2 += z * z;
+      break;
+    }
+  }
+  return statistics;
+}
+
+void expect_honest(const std::map<int, FaceStatistics>& faces) {
+  for (const auto& [id, s] : faces) {
+    std::printf("face %2d: %5zu points, mean distance %7.4f mm, distance / sigma %.3f\n", id, s.points,
+                s.mean_mm(), s.z_deviation());
+    EXPECT_GT(s.points, 100u) << id;
+    EXPECT_LT(std::abs(s.mean_mm()), 0.02) << id;
+    EXPECT_GT(s.z_deviation(), 0.9) << id;
+    EXPECT_LT(s.z_deviation(), 1.1) << id;
+  }
+}
+
+Result<MeasuredScan> scan_box(const EmulatedMachineOptions& options) {
+  auto session = start_session(options);
+  if (!session) return session.error();
+  return run_scan(*session->link, plan_all_round(2));
+}
+
+TEST(ScanAccuracy, BoxPointsLieOnItsFacesWithHonestSigmas) {
+  const auto part = box_file();
+  const auto measured = scan_box({.part = part});
+  ASSERT_TRUE(measured) << measured.error().message;
+  const auto faces = compare(measured->scan, plan_all_round(2), standing(part, Mat3::Identity()), 0.5);
+  ASSERT_EQ(faces.size(), 5u);  // all but the one it stands on
+  expect_honest(faces);
+}
+
+TEST(ScanAccuracy, StaircaseOnItsEndByTheDefaultPlan) {
+  const std::filesystem::path part = TETRAGAUGE_EXAMPLES "/staircase/nominal.csg";
+  auto session = start_session({.part = part, .place = "90,0,0,0,0,0"});
+  ASSERT_TRUE(session) << session.error().message;
+  const auto plan = default_plan(*session->link, {.pitch_mm = 2});
+  ASSERT_TRUE(plan) << plan.error().message;
+  EXPECT_EQ(plan->views.size(), 8u);
+  const auto measured = run_scan(*session->link, *plan);
+  ASSERT_TRUE(measured) << measured.error().message;
+  const auto faces = compare(measured->scan, *plan, standing(part, rotation_from_degrees(90, 0, 0)), 0.5);
+  EXPECT_EQ(faces.size(), 14u);
+  expect_honest(faces);
+}
+
+TEST(ScanAccuracy, SeesACameraThatIsNotWhereItIsBelievedToBe) {
+  const auto part = box_file();
+  // Both cameras squint: each turned and shifted so that its image of every point moves the same way.
+  const auto world = temporary_file("cameras_off.json",
+                                    R"({"camera_1": {"turn_deg": [0, 0.02, 0], "shift_mm": [0, -0.05, 0]},
+                                        "camera_2": {"turn_deg": [0, -0.02, 0], "shift_mm": [0, 0.05, 0]}})");
+  const auto measured = scan_box({.part = part, .world = world});
+  ASSERT_TRUE(measured) << measured.error().message;
+  double worst = 0;
+  for (const auto& [id, s] :
+       compare(measured->scan, plan_all_round(2), standing(part, Mat3::Identity()), 2.0)) {
+    worst = std::max(worst, std::abs(s.mean_mm()));
+  }
+  EXPECT_GT(worst, 0.1);
+}
+
+}  // namespace
+}  // namespace tetragauge

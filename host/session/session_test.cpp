@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Sessions with the emulated machine: they repeat exactly, over whatever line, and end clearly when something
+// breaks.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <stdlib.h>
+
+#include <thread>
+
+#include "host/base/whole_file.hpp"
+#include "host/scan/scan_file.hpp"
+#include "host/session/default_plan.hpp"
+#include "host/session/emulated_session.hpp"
+
+namespace tetragauge {
+namespace {
+
+using std::chrono::steady_clock;
+
+std::string scan_bytes(const EmulatedMachineOptions& options, const ScanOptions& scan = {}) {
+  auto session = start_session(options);
+  EXPECT_TRUE(session) << session.error().message;
+  if (!session) return "";
+  const auto measured = run_scan(*session->link, plan_all_round(4, 16), scan);
+  EXPECT_TRUE(measured) << measured.error().message;
+  return measured ? scan_to_ply(measured->scan) : "";
+}
+
+TEST(Session, RunsRepeatByteForByte) {
+  const auto part = box_file();
+  const std::string first = scan_bytes({.part = part, .seed = 7});
+  EXPECT_GT(first.size(), 10'000u);
+  EXPECT_TRUE(first == scan_bytes({.part = part, .seed = 7}));
+  EXPECT_FALSE(first == scan_bytes({.part = part, .seed = 8}));
+}
+
+TEST(Session, PaceDoesNotChangeTheScan) {
+  const auto part = box_file();
+  EXPECT_TRUE(scan_bytes({.part = part}) == scan_bytes({.part = part, .speed = "40"}));
+}
+
+TEST(Session, SecondScanOfOneMachineIsTheSame) {
+  auto session = start_session({.part = box_file()});
+  ASSERT_TRUE(session) << session.error().message;
+  const auto first = run_scan(*session->link, plan_all_round(5, 8));
+  const auto second = run_scan(*session->link, plan_all_round(5, 8));
+  ASSERT_TRUE(first && second);
+  EXPECT_TRUE(scan_to_ply(first->scan) == scan_to_ply(second->scan));
+}
+
+TEST(Session, DropsTheTableAndCountsIt) {
+  auto session = start_session({.part = box_file()});
+  ASSERT_TRUE(session) << session.error().message;
+  const auto dropped = run_scan(*session->link, plan_all_round(5, 16));
+  ASSERT_TRUE(dropped) << dropped.error().message;
+  const auto kept = run_scan(*session->link, plan_all_round(5, 16), {.keep_table = true});
+  ASSERT_TRUE(kept) << kept.error().message;
+  EXPECT_GT(dropped->counts.table_points, 100u);
+  EXPECT_EQ(kept->counts.table_points, 0u);
+  EXPECT_EQ(kept->scan.size(), dropped->scan.size() + dropped->counts.table_points);
+  const auto points_at = [](const Scan& scan, double below_mm) {
+    return std::count_if(scan.points.begin(), scan.points.end(),
+                         [&](const Vec3& p) { return p.z() < below_mm; });
+  };
+  EXPECT_EQ(points_at(dropped->scan, 0.1), 0);
+  EXPECT_GT(points_at(kept->scan, 0.1), 100);
+}
+
+TEST(Session, PartOutsideTheVolumeIsBadInput) {
+  const auto session =
+      start_session({.part = temporary_file("long.csg", "cube(size = [101, 10, 10], center = false);\n")});
+  ASSERT_FALSE(session);
+  EXPECT_EQ(session.error().kind, ErrorKind::bad_input);
+  EXPECT_NE(session.error().message.find("working volume"), std::string::npos) << session.error().message;
+  const auto shifted = start_session({.part = box_file(), .place = "0,0,0,31,0,0"});
+  ASSERT_FALSE(shifted);
+  EXPECT_EQ(shifted.error().kind, ErrorKind::bad_input);
+}
+
+TEST(Session, EmulatorPassesOnWhatIsWrong) {
+  const auto missing = start_session({.part = "/nonexistent/part.csg"});
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().kind, ErrorKind::bad_input);
+  const auto world = temporary_file("bad_world.json", R"({"camera_1": {"shift": [0, 0, 0]}})");
+  const auto unknown = start_session({.part = box_file(), .world = world});
+  ASSERT_FALSE(unknown);
+  EXPECT_NE(unknown.error().message.find("shift_mm"), std::string::npos) << unknown.error().message;
+  EXPECT_EQ(start_session({.part = box_file(), .speed = "fast"}).error().kind, ErrorKind::usage);
+}
+
+TEST(Session, UnpluggedInTheMiddleIsAnErrorAtOnce) {
+  auto session = start_session({.part = box_file()});
+  ASSERT_TRUE(session) << session.error().message;
+  ScanOptions options;
+  options.on_progress = [&](const ScanProgress& progress) {
+    if (progress.view == 3) ::kill(session->machine->process(), SIGKILL);
+  };
+  const auto start = steady_clock::now();
+  const auto measured = run_scan(*session->link, plan_all_round(4, 16), options);
+  ASSERT_FALSE(measured);
+  EXPECT_EQ(measured.error().kind, ErrorKind::machine);
+  EXPECT_LT(steady_clock::now() - start, std::chrono::seconds(10));
+}
+
+TEST(Session, FrozenMachineIsAnErrorInBoundedTime) {
+  auto session = start_session({.part = box_file()});
+  ASSERT_TRUE(session) << session.error().message;
+  const pid_t emulator = session->machine->process();
+  ScanOptions options;
+  options.on_progress = [&](const ScanProgress& progress) {
+    if (progress.view == 2) ::kill(emulator, SIGSTOP);
+  };
+  const auto measured = run_scan(*session->link, plan_all_round(4, 16), options);
+  ::kill(emulator, SIGCONT);
+  ASSERT_FALSE(measured);
+  EXPECT_EQ(measured.error().kind, ErrorKind::machine);
+  EXPECT_NE(measured.error().message.find("stopped answering"), std::string::npos)
+      << measured.error().message;
+}
+
+TEST(Session, StoppedByTheUserTheMachineIsReadyAgain) {
+  auto session = start_session({.part = box_file()});
+  ASSERT_TRUE(session) << session.error().message;
+  std::atomic<bool> stop{false};
+  ScanOptions options;
+  options.stop = &stop;
+  options.on_progress = [&](const ScanProgress& progress) { stop = progress.view >= 2; };
+  const auto measured = run_scan(*session->link, plan_all_round(4, 16), options);
+  ASSERT_FALSE(measured);
+  EXPECT_NE(measured.error().message.find("laser is off"), std::string::npos);
+  const auto status = session->link->status();
+  ASSERT_TRUE(status) << status.error().message;
+  EXPECT_TRUE(status->state == tg_State_STATE_READY || status->state == tg_State_STATE_ARMED)
+      << status->state;
+  // And it measures as if nothing had been.
+  const auto again = run_scan(*session->link, plan_all_round(8, 8));
+  EXPECT_TRUE(again) << again.error().message;
+}
+
+TEST(Session, EmptyTableIsSaidClearly) {
+  auto session = start_session(
+      {.part = temporary_file("grain.csg", "cube(size = [0.2, 0.2, 0.05], center = false);\n")});
+  ASSERT_TRUE(session) << session.error().message;
+  const auto plan = default_plan(*session->link);
+  ASSERT_FALSE(plan);
+  EXPECT_EQ(plan.error().kind, ErrorKind::machine);
+  EXPECT_NE(plan.error().message.find("no part on the table"), std::string::npos) << plan.error().message;
+}
+
+}  // namespace
+}  // namespace tetragauge
