@@ -176,6 +176,44 @@ TEST(Csg, PolyhedronRunsEitherWayRound) {
   }
 }
 
+TEST(Csg, FacetedRingKeepsItsCavity) {
+  const Solid solid = solid_from_csg(
+      "rotate_extrude(angle = 360, $fn = 4) { difference() {\n"
+      "  multmatrix([[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { square(size = [8, 12]); }\n"
+      "  multmatrix([[1, 0, 0, 7], [0, 1, 0, 3], [0, 0, 1, 0], [0, 0, 0, 1]]) { square(size = [3, 4]); } } "
+      "}");
+  // Squares with corners at r have the area 2 r^2 and the circumference 4 sqrt(2) r.
+  const double outside = 2 * 2 * (169 - 25) + 4 * std::sqrt(2.0) * 18 * 12;
+  const double cavity = 2 * 2 * (100 - 49) + 4 * std::sqrt(2.0) * 17 * 4;
+  expect_volume_and_area(solid, 2 * (169 - 25) * 12 - 2 * (100 - 49) * 4, outside + cavity);
+  EXPECT_EQ(solid.solids, 1);
+}
+
+TEST(Csg, PartOfATurnHasOpenScadsSteps) {
+  // 100 of 360 degrees of 7 steps: one whole step. OpenSCAD 2021.01 gives a volume of 135.4110 and an area of
+  // 188.4293, as the trapezium from radius 3 to 8 over one step of 100 degrees must have.
+  const Solid solid = solid_from_csg(
+      "rotate_extrude(angle = 100, $fn = 7) {\n"
+      "  multmatrix([[1, 0, 0, 3], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { square(size = [5, 5]); } }");
+  const double angle = 100 * pi / 180, trapezium = 0.5 * (64 - 9) * std::sin(angle);
+  expect_volume_and_area(solid, 5 * trapezium, 2 * trapezium + 2 * 25 + 2 * std::sin(angle / 2) * 11 * 5);
+}
+
+TEST(Csg, TurnedBoxesThatTouchMergeInSpiteOfSixDigits) {
+  // As OpenSCAD prints rotate([10, 20, 30]) { cube([50, 40, 30]); translate([50, 0, 0]) cube([20, 40, 30]);
+  // translate([0, 0, 30]) cube([70, 20, 10]); }: a prism of six sides.
+  const std::string turn =
+      "multmatrix([[0.813798, -0.44097, 0.378522, 0], [0.469846, 0.882564, 0.0180283, 0], "
+      "[-0.34202, 0.163176, 0.925417, 0], [0, 0, 0, 1]]) {\n";
+  const Solid solid = solid_from_csg(turn + "cube(size = [50, 40, 30]);\n" +
+                                     "multmatrix([[1, 0, 0, 50], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) "
+                                     "{ cube(size = [20, 40, 30]); }\n" +
+                                     "multmatrix([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 30], [0, 0, 0, 1]]) "
+                                     "{ cube(size = [70, 20, 10]); } }\n");
+  EXPECT_EQ(solid.faces().size(), 8u);
+  EXPECT_NEAR(solid.volume_mm3, 70 * 40 * 30 + 70 * 20 * 10, 1e-3);
+}
+
 TEST(Csg, MarksOfOpenScad) {
   const Solid solid = solid_from_csg(
       "%cube(size = [1, 1, 1]);\n#cube(size = [2, 2, 2]);\n*sphere(r = 3);\n"

@@ -188,7 +188,7 @@ TopoDS_Shape rotate_extrude(const CsgNode& node, const Affine& M) {
     // least 1.
     const double turn = clamped_deg / 360;
     const double steps = is_ring ? static_cast<double>(sides)
-                                 : std::max(std::ceil(static_cast<double>(sides) * std::abs(turn)), 1.0);
+                                 : std::max(std::floor(static_cast<double>(sides) * std::abs(turn)), 1.0);
     const double start = is_ring ? std::numbers::pi : 0;
     return faceted_sweep(node, *faces, static_cast<size_t>(steps) + 1, is_ring, [&](const Vec3& p, size_t k) {
       const double phi = start + 2 * std::numbers::pi * turn * static_cast<double>(k) / steps;

@@ -6,9 +6,11 @@
 #include <Geom_Plane.hxx>
 #include <Precision.hxx>
 #include <TopoDS.hxx>
+#include <TopoDS_Compound.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shell.hxx>
+#include <TopoDS_Solid.hxx>
 #include <TopoDS_Vertex.hxx>
 #include <TopoDS_Wire.hxx>
 #include <algorithm>
@@ -68,14 +70,14 @@ Vec3 double_area(const PolyhedralMesh& mesh, const CornerLoop& loop, const Vec3&
   return sum;
 }
 
-double signed_volume(const PolyhedralMesh& mesh, const Vec3& origin) {
+double signed_volume(const PolyhedralMesh& mesh, const std::vector<size_t>& surface, const Vec3& origin) {
   double volume = 0;
   const auto add = [&](const CornerLoop& loop) {
     volume += (mesh.corners[loop[0]] - origin).dot(double_area(mesh, loop, mesh.corners[loop[0]])) / 6;
   };
-  for (const PolyhedralFace& face : mesh.faces) {
-    add(face.outer);
-    for (const CornerLoop& hole : face.holes) add(hole);
+  for (const size_t face : surface) {
+    add(mesh.faces[face].outer);
+    for (const CornerLoop& hole : mesh.faces[face].holes) add(hole);
   }
   return volume;
 }
@@ -106,23 +108,35 @@ void check_closed(const PolyhedralMesh& mesh) {
   }
 }
 
-void check_one_piece(const PolyhedralMesh& mesh) {
-  std::vector<size_t> parent(mesh.corners.size());
+// Faces that hang together by edges, in order of their first face.
+std::vector<std::vector<size_t>> connected_surfaces(const PolyhedralMesh& mesh) {
+  std::vector<size_t> parent(mesh.faces.size());
   std::iota(parent.begin(), parent.end(), size_t{0});
   const auto root = [&](size_t i) {
     while (parent[i] != i) i = parent[i] = parent[parent[i]];
     return i;
   };
-  for (const PolyhedralFace& face : mesh.faces) {
-    for (size_t corner : face.outer) parent[root(corner)] = root(face.outer[0]);
-    for (const CornerLoop& hole : face.holes) {
-      for (size_t corner : hole) parent[root(corner)] = root(face.outer[0]);
+  std::map<std::pair<size_t, size_t>, size_t> face_of_edge;
+  const auto join = [&](const CornerLoop& loop, size_t face) {
+    for (size_t i = 0; i < loop.size(); ++i) {
+      const std::pair<size_t, size_t> edge = std::minmax(loop[i], loop[(i + 1) % loop.size()]);
+      const size_t other = face_of_edge.emplace(edge, face).first->second;
+      const size_t a = root(face), b = root(other);
+      parent[std::max(a, b)] = std::min(a, b);
     }
+  };
+  for (size_t i = 0; i < mesh.faces.size(); ++i) {
+    join(mesh.faces[i].outer, i);
+    for (const CornerLoop& hole : mesh.faces[i].holes) join(hole, i);
   }
-  for (const PolyhedralFace& face : mesh.faces) {
-    if (root(face.outer[0]) == root(mesh.faces[0].outer[0])) continue;
-    throw PolyhedronFailure("it consists of several separate surfaces; make each a polyhedron of its own");
+  std::vector<std::vector<size_t>> surfaces;
+  std::map<size_t, size_t> surface_of_root;
+  for (size_t i = 0; i < mesh.faces.size(); ++i) {
+    const auto [found, is_new] = surface_of_root.emplace(root(i), surfaces.size());
+    if (is_new) surfaces.emplace_back();
+    surfaces[found->second].push_back(i);
   }
+  return surfaces;
 }
 
 class Builder {
@@ -130,14 +144,16 @@ class Builder {
   explicit Builder(const PolyhedralMesh& mesh, double tolerance_mm)
       : mesh_(mesh), tolerance_mm_(tolerance_mm), vertices_(mesh.corners.size()) {}
 
-  TopoDS_Solid build() {
-    TopoDS_Shell shell;
-    builder_.MakeShell(shell);
-    for (size_t i = 0; i < mesh_.faces.size(); ++i) builder_.Add(shell, face(i));
-    shell.Closed(true);
+  TopoDS_Solid solid(const std::vector<std::vector<size_t>>& surfaces) {
     TopoDS_Solid solid;
     builder_.MakeSolid(solid);
-    builder_.Add(solid, shell);
+    for (const std::vector<size_t>& surface : surfaces) {
+      TopoDS_Shell shell;
+      builder_.MakeShell(shell);
+      for (const size_t i : surface) builder_.Add(shell, face(i));
+      shell.Closed(true);
+      builder_.Add(solid, shell);
+    }
     return solid;
   }
 
@@ -220,11 +236,10 @@ class Builder {
 
 }  // namespace
 
-TopoDS_Solid polyhedral_solid(PolyhedralMesh mesh) {
+TopoDS_Shape polyhedral_solid(PolyhedralMesh mesh) {
   weld_corners(mesh);
   if (mesh.faces.size() < 4) throw PolyhedronFailure("it has fewer than four faces");
   check_closed(mesh);
-  check_one_piece(mesh);
   Vec3 low = mesh.corners[mesh.faces[0].outer[0]], high = low;
   for (const PolyhedralFace& face : mesh.faces) {
     for (size_t corner : face.outer) {
@@ -232,12 +247,33 @@ TopoDS_Solid polyhedral_solid(PolyhedralMesh mesh) {
       high = high.cwiseMax(mesh.corners[corner]);
     }
   }
-  const double volume = signed_volume(mesh, 0.5 * (low + high));
+  const Vec3 middle = 0.5 * (low + high);
+  const std::vector<std::vector<size_t>> surfaces = connected_surfaces(mesh);
+  std::vector<double> volumes;
+  for (const std::vector<size_t>& surface : surfaces) volumes.push_back(signed_volume(mesh, surface, middle));
+  const double volume = std::accumulate(volumes.begin(), volumes.end(), 0.0);
   if (!(std::abs(volume) > 0)) throw PolyhedronFailure("it has no volume");
   if (volume < 0) turn_inside_out(mesh);
+
+  std::vector<std::vector<size_t>> bodies, cavities;
+  for (size_t i = 0; i < surfaces.size(); ++i) {
+    ((volumes[i] > 0) == (volume > 0) ? bodies : cavities).push_back(surfaces[i]);
+  }
   const double size_mm =
       std::max((high - low).maxCoeff(), std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff()));
-  return Builder(mesh, std::max(kSixDigits * size_mm, Precision::Confusion())).build();
+  Builder builder(mesh, std::max(kSixDigits * size_mm, Precision::Confusion()));
+  if (bodies.size() == 1) {
+    cavities.insert(cavities.begin(), bodies[0]);
+    return builder.solid(cavities);
+  }
+  if (!cavities.empty()) {
+    throw PolyhedronFailure("it holds several bodies with cavities; make each body a polyhedron of its own");
+  }
+  BRep_Builder compound_builder;
+  TopoDS_Compound compound;
+  compound_builder.MakeCompound(compound);
+  for (const std::vector<size_t>& body : bodies) compound_builder.Add(compound, builder.solid({body}));
+  return compound;
 }
 
 }  // namespace tetragauge

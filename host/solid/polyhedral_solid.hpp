@@ -2,7 +2,7 @@
 // A solid with plane faces from its corner points: shared vertices and edges from the start, no sewing.
 #pragma once
 
-#include <TopoDS_Solid.hxx>
+#include <TopoDS_Shape.hxx>
 #include <stdexcept>
 #include <vector>
 
@@ -26,8 +26,9 @@ struct PolyhedronFailure : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// All faces must run the same way round, seen from outside; which way is found from the volume. Throws
-// PolyhedronFailure for an open surface, a face that is not plane, or several pieces.
-TopoDS_Solid polyhedral_solid(PolyhedralMesh mesh);
+// One solid, with cavities, or several without. All faces must run the same way round, seen from the air;
+// which way is found from the volume. Throws PolyhedronFailure for an open surface or a face that is not
+// plane.
+TopoDS_Shape polyhedral_solid(PolyhedralMesh mesh);
 
 }  // namespace tetragauge

@@ -101,6 +101,7 @@ Result<Solid> solid_from_shape(const TopoDS_Shape& shape, const std::string& pla
   if (shapes.empty()) {
     return bad_input(place + ": no solid body in it, only surfaces or curves; export the part as a solid");
   }
+  const bool has_loose_surfaces = TopExp_Explorer(shape, TopAbs_FACE, TopAbs_SOLID).More();
   for (TopoDS_Solid& solid : shapes) {
     if (is_open(solid)) return open_solid(place);
     BRepLib::OrientClosedSolid(solid);
@@ -114,6 +115,9 @@ Result<Solid> solid_from_shape(const TopoDS_Shape& shape, const std::string& pla
   ListedFaces faces = list_faces(shapes);
   solid.list = faces.list;
   add_mass_properties(shapes, solid);
+  if (has_loose_surfaces) {
+    solid.warnings.push_back(place + ": surfaces beside the solid body are left out");
+  }
   Tessellation tessellation = tessellate(faces, options.tessellation_mm);
   if (!tessellation.is_complete) {
     faces = list_faces(divide_full_turns(shapes));
