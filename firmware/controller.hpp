@@ -59,7 +59,9 @@ class Controller {
     if (was_active && !scan_.active()) scan_ended();
     if (link_.heartbeat_due()) link_.heartbeat(heartbeat());
     link_.send();
-    board_.kick_watchdog();
+    // All check in: this loop, both axes, and the converter (which is a fault of its own). Without, the chip
+    // restarts.
+    if (table_.on_time() && slide_.on_time()) board_.kick_watchdog();
   }
 
   // The latest time the next poll() is due; earlier ones do no harm.
@@ -377,10 +379,11 @@ class Controller {
       refuse_undelivered();
       return;
     }
-    const char* detail = "";
-    const tg_RefuseReason reason = plan_.load(message_.body.scan_load, config_, &detail);
+    ScanPlan::Trouble trouble;
+    const tg_RefuseReason reason = plan_.load(message_.body.scan_load, config_, &trouble);
     if (reason != tg_RefuseReason_REFUSE_NONE) {
-      refuse(reason, detail);
+      refuse(reason, trouble.what);
+      if (reason == tg_RefuseReason_REFUSE_OUT_OF_RANGE) reply_.body.refused.view = trouble.view;
       return;
     }
     if (plan_.complete()) start_stream(plan_.plan_id());

@@ -273,6 +273,16 @@ INSTANTIATE_TEST_SUITE_P(
                   tg_FaultCode_FAULT_MISASSEMBLED}),
     [](const auto& info) { return info.param.name; });
 
+TEST_F(ControllerTest, AStoppedStepTimerLetsTheWatchdogBite) {
+  ASSERT_TRUE(host.scan({small_view()}));
+  host.run(0.1);
+  host.board.step_alarm[0] = host.board.step_alarm[1] = FakeBoard::kNever;
+  host.run(0.05);
+  const uint64_t kicks = host.board.kicks;
+  host.run(2);
+  EXPECT_EQ(host.board.kicks, kicks);
+}
+
 TEST_F(ControllerTest, ARejectedBeamIsReportedWithItsReason) {
   struct Case {
     void (*spoil)(FakeBoard&);

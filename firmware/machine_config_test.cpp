@@ -179,7 +179,7 @@ TEST(ScanPlan, RefusesViewsTheMachineCannotDo) {
 TEST(ScanPlan, TakesChunksInOrderOnly) {
   const MachineConfig config = nominal_config();
   const auto plan = std::make_unique<ScanPlan>();
-  const char* detail = "";
+  ScanPlan::Trouble trouble;
   const auto chunk = [](uint32_t id, uint32_t first, uint32_t count, uint32_t total) {
     tg_ScanLoad load = tg_ScanLoad_init_zero;
     load.plan_id = id;
@@ -192,7 +192,7 @@ TEST(ScanPlan, TakesChunksInOrderOnly) {
     }
     return load;
   };
-  const auto load = [&](const tg_ScanLoad& one) { return plan->load(one, config, &detail); };
+  const auto load = [&](const tg_ScanLoad& one) { return plan->load(one, config, &trouble); };
   EXPECT_EQ(load(chunk(1, 8, 2, 10)), tg_RefuseReason_REFUSE_PLAN_ORDER);
   EXPECT_EQ(load(chunk(1, 0, 8, 10)), tg_RefuseReason_REFUSE_NONE);
   EXPECT_FALSE(plan->complete());
@@ -203,6 +203,11 @@ TEST(ScanPlan, TakesChunksInOrderOnly) {
   for (uint32_t i = 0; i < 10; ++i) EXPECT_EQ(plan->view(i).slide_um, static_cast<int32_t>(1000 * i));
   EXPECT_EQ(load(chunk(0, 0, 1, 1)), tg_RefuseReason_REFUSE_OUT_OF_RANGE);
   EXPECT_EQ(load(chunk(3, 0, 8, kMaxViews + 1)), tg_RefuseReason_REFUSE_PLAN_TOO_LONG);
+  tg_ScanLoad bad = chunk(4, 0, 5, 5);
+  bad.views[3].slide_um = 340'000;
+  EXPECT_EQ(load(bad), tg_RefuseReason_REFUSE_OUT_OF_RANGE);
+  EXPECT_EQ(trouble.view, 3u);
+  EXPECT_STREQ(trouble.what, "slide height beyond the soft limits");
   EXPECT_TRUE(plan->complete()) << "a refused chunk changes nothing";
   EXPECT_EQ(plan->plan_id(), 1u);
 }

@@ -13,6 +13,7 @@
 namespace tetragauge {
 
 inline constexpr uint32_t kHomeLatches = 3;
+inline constexpr uint64_t kOverdueStepNs = 10'000'000;
 
 template <Board B>
 class AxisMover {
@@ -23,6 +24,8 @@ class AxisMover {
 
   bool busy() const { return task_ != Task::kRest; }
   bool going_up() const { return up_; }
+  // False when a step is long overdue: the timer has stopped.
+  bool on_time() const { return !busy() || board_.now_ns() <= due_ns_ + kOverdueStepNs; }
   int64_t position_steps() const { return position_; }
   uint32_t home_spread_steps() const { return home_spread_; }
   // What went wrong since the last start of a move; none when the move is good.
@@ -76,7 +79,7 @@ class AxisMover {
       return;
     }
     if (done_ < move_.steps()) {
-      board_.set_step_alarm_ns(axis_, start_ns_ + move_.step_time_ns(done_ + 1));
+      wait_for_next_step();
     } else {
       finished();
     }
@@ -99,8 +102,13 @@ class AxisMover {
     if (move_.steps() == 0) {
       finished();
     } else {
-      board_.set_step_alarm_ns(axis_, start_ns_ + move_.step_time_ns(1));
+      wait_for_next_step();
     }
+  }
+
+  void wait_for_next_step() {
+    due_ns_ = start_ns_ + move_.step_time_ns(done_ + 1);
+    board_.set_step_alarm_ns(axis_, due_ns_);
   }
 
   void back_off() {
@@ -170,7 +178,7 @@ class AxisMover {
   Trapezoid move_;
   bool up_ = true;
   uint32_t done_ = 0;
-  uint64_t start_ns_ = 0;
+  uint64_t start_ns_ = 0, due_ns_ = 0;
   int64_t position_ = 0;
   int64_t target_ = 0;
   uint32_t latches_ = 0;

@@ -36,28 +36,28 @@ const char* view_error(const tg_View& view, const MachineConfig& config) {
   return nullptr;
 }
 
-tg_RefuseReason ScanPlan::load(const tg_ScanLoad& chunk, const MachineConfig& config, const char** detail) {
-  *detail = "";
+tg_RefuseReason ScanPlan::load(const tg_ScanLoad& chunk, const MachineConfig& config, Trouble* trouble) {
   if (chunk.plan_id == 0 || chunk.views_count == 0) {
-    *detail = "plan id 0, or no views";
+    trouble->what = "plan id 0, or no views";
     return tg_RefuseReason_REFUSE_OUT_OF_RANGE;
   }
   if (chunk.total_views > kMaxViews) {
-    *detail = "more views than HelloReply.max_views";
+    trouble->what = "more views than HelloReply.max_views";
     return tg_RefuseReason_REFUSE_PLAN_TOO_LONG;
   }
   const bool starts = chunk.first_view == 0;
   const bool follows =
       chunk.plan_id == plan_id_ && chunk.total_views == total_ && chunk.first_view == loaded_;
   if ((!starts && !follows) || chunk.first_view + chunk.views_count > chunk.total_views) {
-    *detail = "views must come in order, starting with first_view 0";
+    trouble->what = "views must come in order, starting with first_view 0";
     return tg_RefuseReason_REFUSE_PLAN_ORDER;
   }
   for (uint32_t i = 0; i < chunk.views_count; ++i) {
-    *detail = view_error(chunk.views[i], config);
-    if (*detail != nullptr) return tg_RefuseReason_REFUSE_OUT_OF_RANGE;
+    if (const char* error = view_error(chunk.views[i], config)) {
+      *trouble = {error, chunk.first_view + i};
+      return tg_RefuseReason_REFUSE_OUT_OF_RANGE;
+    }
   }
-  *detail = "";
   plan_id_ = chunk.plan_id;
   total_ = chunk.total_views;
   for (uint32_t i = 0; i < chunk.views_count; ++i) views_[chunk.first_view + i] = chunk.views[i];

@@ -29,8 +29,13 @@ constexpr uint32_t rays_of(const tg_View& view) {
 
 class ScanPlan {
  public:
-  // REFUSE_NONE when the chunk was taken. The first chunk (first_view 0) starts a new plan.
-  tg_RefuseReason load(const tg_ScanLoad& chunk, const MachineConfig& config, const char** detail);
+  struct Trouble {
+    const char* what = "";
+    uint32_t view = 0;
+  };
+  // REFUSE_NONE when the chunk was taken; a refused one changes nothing. The first chunk (first_view 0)
+  // starts a new plan.
+  tg_RefuseReason load(const tg_ScanLoad& chunk, const MachineConfig& config, Trouble* trouble);
   void forget() { plan_id_ = total_ = loaded_ = 0; }
 
   uint32_t plan_id() const { return plan_id_; }
