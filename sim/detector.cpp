@@ -20,17 +20,6 @@ double dark_noise_A2_Hz(const Numbers& n) {
   return 4 * kBoltzmann_J_K * n.temperature_K / n.electrode_resistance_ohm + amplifier * amplifier;
 }
 
-int16_t convert(const Numbers& n, double current_A, double noise) {
-  const double step_V = n.full_scale_V / std::ldexp(1.0, n.converter_bits - 1);
-  const double variance_A2 =
-      (dark_noise_A2_Hz(n) + 2 * kElectronCharge_C * std::max(current_A, 0.0)) * n.noise_bandwidth_Hz;
-  const double noise_lsb = std::hypot(std::sqrt(variance_A2) * n.gain_V_A / step_V, n.converter_noise_lsb);
-  const double code = std::floor(current_A * n.gain_V_A / step_V + noise * noise_lsb + 0.5);
-  const double rail = std::ldexp(1.0, n.converter_bits - 1);
-  // Codes are left-aligned to 16 bits, as the board delivers them.
-  return static_cast<int16_t>(std::clamp(code, -rail, rail - 1) * std::ldexp(1.0, 16 - n.converter_bits));
-}
-
 }  // namespace
 
 SpotImage add_speckle(const Numbers& n, const TrueCamera& camera, SpotImage image, uint64_t key) {
@@ -47,18 +36,32 @@ SpotImage add_speckle(const Numbers& n, const TrueCamera& camera, SpotImage imag
   return image;
 }
 
-DetectorCodes sample_detector(const Numbers& n, const SpotImage& image, double lit, uint64_t key) {
-  // Each pair of electrodes carries the whole photocurrent, shared by the spot's place; ambient light is
-  // spread evenly.
-  const double spot = lit * image.current_A, ambient = 0.5 * n.ambient_A;
+DetectorElectronics::DetectorElectronics(const Numbers& n)
+    : ambient_A_(0.5 * n.ambient_A),  // each electrode's share: the light is spread evenly
+      rail_steps_(std::ldexp(1.0, n.converter_bits - 1)),
+      code_per_step_(std::ldexp(1.0, 16 - n.converter_bits)) {
+  steps_per_A_ = n.gain_V_A * rail_steps_ / n.full_scale_V;
+  const double steps2_per_A2_Hz = steps_per_A_ * steps_per_A_ * n.noise_bandwidth_Hz;
+  dark_variance_steps2_ =
+      dark_noise_A2_Hz(n) * steps2_per_A2_Hz + n.converter_noise_lsb * n.converter_noise_lsb;
+  shot_variance_steps2_A_ = 2 * kElectronCharge_C * steps2_per_A2_Hz;
+}
+
+int16_t DetectorElectronics::convert(double current_A, double noise) const {
+  const double sigma_steps =
+      std::sqrt(dark_variance_steps2_ + shot_variance_steps2_A_ * std::max(current_A, 0.0));
+  const double step = std::floor(current_A * steps_per_A_ + noise * sigma_steps + 0.5);
+  // Codes are left-aligned to 16 bits, as the board delivers them.
+  return static_cast<int16_t>(std::clamp(step, -rail_steps_, rail_steps_ - 1) * code_per_step_);
+}
+
+DetectorCodes DetectorElectronics::sample(const SpotImage& image, double lit, uint64_t key) const {
+  // Each pair of electrodes carries the whole photocurrent, shared by the spot's place.
+  const double half = 0.5 * lit * image.current_A;
   const auto [nx1, nx2] = normal_pair(combine_key(key, 0));
   const auto [ny1, ny2] = normal_pair(combine_key(key, 1));
-  return {
-      convert(n, 0.5 * spot * (1 - image.x) + ambient, nx1),
-      convert(n, 0.5 * spot * (1 + image.x) + ambient, nx2),
-      convert(n, 0.5 * spot * (1 - image.y) + ambient, ny1),
-      convert(n, 0.5 * spot * (1 + image.y) + ambient, ny2),
-  };
+  return {convert(half * (1 - image.x) + ambient_A_, nx1), convert(half * (1 + image.x) + ambient_A_, nx2),
+          convert(half * (1 - image.y) + ambient_A_, ny1), convert(half * (1 + image.y) + ambient_A_, ny2)};
 }
 
 }  // namespace tetragauge::sim

@@ -19,7 +19,21 @@ struct DetectorCodes {
 // and camera, so averaging samples of one place does not lower it. `key` belongs to the place and the camera.
 SpotImage add_speckle(const Numbers& numbers, const TrueCamera& camera, SpotImage image, uint64_t key);
 
-// One sample. `lit`: 0 .. 1, how far the laser is on. `key` belongs to the place, the sample and the camera.
-DetectorCodes sample_detector(const Numbers& numbers, const SpotImage& image, double lit, uint64_t key);
+// Amplifiers and converter of one detector.
+class DetectorElectronics {
+ public:
+  explicit DetectorElectronics(const Numbers& numbers);
+
+  // One sample. `lit`: 0 .. 1, how far the laser is on. `key` belongs to the place, the sample and the
+  // camera.
+  DetectorCodes sample(const SpotImage& image, double lit, uint64_t key) const;
+
+ private:
+  int16_t convert(double current_A, double noise) const;
+
+  double ambient_A_, steps_per_A_;
+  double dark_variance_steps2_, shot_variance_steps2_A_;  // of one sample: without light, and for each ampere
+  double rail_steps_, code_per_step_;
+};
 
 }  // namespace tetragauge::sim

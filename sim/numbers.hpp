@@ -19,7 +19,7 @@ struct Numbers {
   double laser_rise_s = 10e-6;     // time constant of switching, with the converter filter behind it
 
   // Surfaces: Lambertian, the share of light sent back.
-  double part_albedo = 0.5;    // matt spray
+  double part_albedo = 0.7;    // matt white spray
   double table_albedo = 0.04;  // black anodised
   double table_radius_mm = 90;
 

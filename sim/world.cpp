@@ -20,6 +20,7 @@ World::World(const WorldSetup& setup, const Solid& standing_part, uint64_t seed)
     : setup_(setup),
       part_(standing_part, setup.numbers.part_albedo, setup.numbers.table_albedo,
             setup.numbers.table_radius_mm),
+      electronics_(setup.numbers),
       seed_(seed),
       mirror_a_(setup.numbers.mirror),
       mirror_b_(setup.numbers.mirror),
@@ -95,8 +96,8 @@ World::Sample World::sample(int64_t now_ns) {
   const double on = lit(now_ns);
   const SpotImages& images = on > kDark ? spot(now_ns) : kNoLight;
   const uint64_t key = combine_key(place_key_, kSampleDraw + sample_++);
-  return {sample_detector(setup_.numbers, images[0], on, combine_key(key, 0)),
-          sample_detector(setup_.numbers, images[1], on, combine_key(key, 1))};
+  return {electronics_.sample(images[0], on, combine_key(key, 0)),
+          electronics_.sample(images[1], on, combine_key(key, 1))};
 }
 
 }  // namespace tetragauge::sim

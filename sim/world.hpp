@@ -52,6 +52,7 @@ class World {
 
   WorldSetup setup_;
   PartOnTable part_;
+  DetectorElectronics electronics_;
   uint64_t seed_;
 
   Mirror mirror_a_, mirror_b_;

@@ -47,7 +47,7 @@ inline std::filesystem::path box_file() {
 }
 
 // 8 views all round a part about 50 mm high, coarse.
-inline ScanPlan plan_all_round(double pitch_mm, uint32_t samples = 44) {
+inline ScanPlan plan_all_round(double pitch_mm, uint32_t samples = PlannedView{}.samples) {
   ScanPlan plan;
   for (int k = 0; k < 8; ++k) {
     PlannedView view;
