@@ -35,9 +35,8 @@ class Assigner {
         vertex_face_(std::move(regions.vertex_region)),
         point_face_(scan.size(), kNoRegion) {}
 
-  FittedFaces run() {
-    constexpr int kRounds = 20;
-    for (int round = 0; round < kRounds; ++round) {
+  FittedFaces run(int rounds) {
+    for (int round = 0; round < rounds; ++round) {
       flood();
       find_candidates();
       find_edges();
@@ -75,23 +74,25 @@ class Assigner {
     }
   }
 
-  // Faces within two edges of each vertex.
+  // Faces within two edges of each vertex: those next to it, and those next to its neighbours.
   void find_candidates() {
-    candidates_.assign(graph_.size(), {});
+    std::vector<std::vector<int32_t>> next_to(graph_.size());
     for (uint32_t v = 0; v < graph_.size(); ++v) {
-      std::vector<int32_t>& near = candidates_[v];
-      const auto add = [&](uint32_t w) {
-        const int32_t face = vertex_face_[w];
-        if (face != kNoRegion && std::find(near.begin(), near.end(), face) == near.end())
-          near.push_back(face);
-      };
-      add(v);
-      for (uint32_t n : graph_.around(v)) add(n);
-      for (uint32_t n : graph_.around(v)) {
-        for (uint32_t m : graph_.around(n)) add(m);
-      }
-      std::sort(near.begin(), near.end());
+      add_face(next_to[v], vertex_face_[v]);
+      for (uint32_t n : graph_.around(v)) add_face(next_to[v], vertex_face_[n]);
     }
+    candidates_ = next_to;
+    for (uint32_t v = 0; v < graph_.size(); ++v) {
+      for (uint32_t n : graph_.around(v)) {
+        for (int32_t face : next_to[n]) add_face(candidates_[v], face);
+      }
+      std::sort(candidates_[v].begin(), candidates_[v].end());
+    }
+  }
+
+  static void add_face(std::vector<int32_t>& faces, int32_t face) {
+    if (face != kNoRegion && std::find(faces.begin(), faces.end(), face) == faces.end())
+      faces.push_back(face);
   }
 
   // The sides on which two faces lie of one another, where they are near one another.
@@ -274,8 +275,8 @@ class Assigner {
 }  // namespace
 
 FittedFaces assign_points(const Scan& scan, const Reconstruction& reconstruction, const SurfaceGraph& graph,
-                          Regions regions, size_t min_points) {
-  return Assigner(scan, reconstruction, graph, std::move(regions), min_points).run();
+                          Regions regions, size_t min_points, int rounds) {
+  return Assigner(scan, reconstruction, graph, std::move(regions), min_points).run(rounds);
 }
 
 }  // namespace tetragauge

@@ -22,8 +22,8 @@ struct FittedFaces {
   std::vector<int32_t> vertex_face;  // per vertex
 };
 
-// Faces that lose all but fewer than `min_points` points are dropped.
+// At most `rounds` turns. Faces that lose all but fewer than `min_points` points are dropped.
 FittedFaces assign_points(const Scan& scan, const Reconstruction& reconstruction, const SurfaceGraph& graph,
-                          Regions regions, size_t min_points);
+                          Regions regions, size_t min_points, int rounds);
 
 }  // namespace tetragauge

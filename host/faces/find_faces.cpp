@@ -94,16 +94,20 @@ Result<MeasuredFaces> find_faces(const Scan& scan, const Reconstruction& reconst
   const SurfaceGraph graph = surface_graph(reconstruction);
   // Averaged vertices are fewer than points: a region of few vertices may still hold enough points.
   constexpr size_t kMinVertices = 6;
-  FittedFaces fitted = assign_points(scan, reconstruction, graph,
-                                     grow_regions(reconstruction, graph, kMinVertices), options.min_points);
+  // While the set of faces still changes, a few turns do; the last fit goes to a fixed point.
+  constexpr int kRounds = 20, kFewTurns = 3, kAllTurns = 20;
+  Regions regions = grow_regions(reconstruction, graph, kMinVertices);
   size_t false_chamfers = 0;
-  constexpr int kRounds = 8;
   for (int round = 0; round < kRounds; ++round) {
-    Selection selection = select_faces(scan, reconstruction, graph, fitted);
+    const FittedFaces rough =
+        assign_points(scan, reconstruction, graph, regions, options.min_points, kFewTurns);
+    Selection selection = select_faces(scan, reconstruction, graph, rough);
     false_chamfers += selection.false_chamfers;
+    regions = std::move(selection.regions);
     if (!selection.changed) break;
-    fitted = assign_points(scan, reconstruction, graph, std::move(selection.regions), options.min_points);
   }
+  FittedFaces fitted =
+      assign_points(scan, reconstruction, graph, std::move(regions), options.min_points, kAllTurns);
   fitted = split_unconnected(scan, reconstruction, graph, std::move(fitted), options.min_points);
 
   FaceExtents extents = face_extents(reconstruction, graph, fitted);

@@ -86,22 +86,23 @@ class Selector {
   bool goes_on_flat(size_t f, size_t g) const {
     const PlaneFit &a = fitted_.fits[f], &b = fitted_.fits[g];
     if (a.normal.cross(b.normal).norm() > kFlatTurn) return false;
-    size_t level = 0, all = 0;
+    // Steps from one to the other across edges of the surface, and the noise of such a step.
+    double step = 0, variance = 0;
+    size_t steps = 0;
     for (uint32_t v = 0; v < graph_.size(); ++v) {
       if (fitted_.vertex_face[v] != static_cast<int32_t>(f)) continue;
       for (uint32_t n : graph_.around(v)) {
         if (fitted_.vertex_face[n] != static_cast<int32_t>(g)) continue;
-        ++all;
-        if (vertex_on_plane(n, a) && vertex_on_plane(v, b)) ++level;
+        step += (reconstruction_.vertices[n] - reconstruction_.vertices[v]).dot(a.normal);
+        variance += std::pow(vertex_sigma(n, a), 2);
+        ++steps;
       }
     }
-    return all >= 3 && 10 * level >= 7 * all;
+    // Near vertices went to one face and far ones to the other by their noise: a mean step of up to 2 sigma
+    // is no step.
+    return steps >= 3 && std::abs(step) <= 2 * std::sqrt(variance * static_cast<double>(steps));
   }
 
-  bool vertex_on_plane(uint32_t v, const PlaneFit& plane) const {
-    return std::abs(plane.normal.dot(reconstruction_.vertices[v]) - plane.d_mm) <=
-           kGate * vertex_sigma(v, plane);
-  }
   double vertex_sigma(uint32_t v, const PlaneFit& plane) const {
     return sigma_across(reconstruction_.vertex_sigma_mm[v], reconstruction_.vertex_ray[v], plane.normal);
   }
@@ -111,14 +112,17 @@ class Selector {
   }
 
   // Larger neighbours explain (nearly) all its points: a strip across an edge, or a crumb of a bowed face.
+  // Larger neighbours explain (nearly) all its points: a strip across an edge, or a crumb of a bowed face.
   bool is_false_chamfer(size_t f) const {
     size_t explained = 0;
     for (uint32_t i : members_[f]) {
       const bool by_neighbour = std::any_of(neighbours_[f].begin(), neighbours_[f].end(), [&](int32_t g) {
-        if (becomes_[static_cast<size_t>(g)] != g) return false;
-        const PlaneFit& plane = fitted_.fits[static_cast<size_t>(g)];
+        const auto other = static_cast<size_t>(g);
+        if (becomes_[other] != g || members_[other].size() < members_[f].size()) return false;
+        const PlaneFit& plane = fitted_.fits[other];
         return plane.normal.dot(scan_.ray_direction(i)) < 0 &&
-               std::abs(plane.normal.dot(scan_.points[i]) - plane.d_mm) <= kGate * sigma(i, plane.normal);
+               std::abs(plane.normal.dot(scan_.points[i]) - plane.d_mm) <=
+                   kGate * noise_scale(plane) * sigma(i, plane.normal);
       });
       if (by_neighbour) ++explained;
     }
