@@ -33,7 +33,7 @@ class Controller {
   Controller& operator=(const Controller&) = delete;
 
   void begin() {
-    board_.set_laser(false);
+    supervisor_.laser_off();
     board_.set_mirrors(0, 0);
     config_ = nominal_config();
     use_config();

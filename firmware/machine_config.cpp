@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware/machine_config.hpp"
 
-#include <pb_encode.h>
-
 #include "firmware/motion/trapezoid.hpp"
 #include "firmware/optics/nominal_geometry.hpp"
 #include "firmware/optics/rotate.hpp"
-#include "protocol/frame.hpp"
+#include "protocol/message.hpp"
 
 namespace tetragauge {
 namespace {
@@ -287,11 +285,9 @@ uint32_t config_crc(const MachineConfig& config) {
   for (int part = tg_ConfigPart_CONFIG_GALVO; part <= tg_ConfigPart_CONFIG_VOLUME; ++part) {
     tg_Config message = tg_Config_init_zero;
     get_part(config, static_cast<tg_ConfigPart>(part), &message);
-    uint8_t bytes[tg_Config_size];
-    pb_ostream_t stream = pb_ostream_from_buffer(bytes, sizeof bytes);
-    // Cannot fail: the buffer holds the longest one.
-    (void)pb_encode(&stream, tg_Config_fields, &message);
-    crc = crc32c(bytes, stream.bytes_written, crc);
+    uint8_t bytes[kFramePayloadBytes];
+    const size_t count = encode_payload(message, bytes);
+    crc = crc32c(bytes, count, crc);
   }
   return crc;
 }

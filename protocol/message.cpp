@@ -37,6 +37,10 @@ size_t encode_payload(const tg_MachineMessage& message, uint8_t* payload) {
   return encode_fields(tg_MachineMessage_fields, &message, payload);
 }
 
+size_t encode_payload(const tg_Config& part, uint8_t* payload) {
+  return encode_fields(tg_Config_fields, &part, payload);
+}
+
 bool decode_message(const Frame& frame, tg_HostMessage* message) {
   return decode_fields(tg_HostMessage_fields, frame, message) && message->which_body != 0;
 }

@@ -19,6 +19,8 @@ size_t encode_message(FrameHeader header, const tg_MachineMessage& message, uint
 
 // The protobuf alone, into kFramePayloadBytes; 0 when it does not fit.
 size_t encode_payload(const tg_MachineMessage& message, uint8_t* payload);
+size_t encode_payload(const tg_Config& part, uint8_t* payload);
+static_assert(tg_Config_size <= kFramePayloadBytes - 8, "a part of the configuration fits a frame");
 
 // False when the payload is not such a message or holds none.
 bool decode_message(const Frame& frame, tg_HostMessage* message);

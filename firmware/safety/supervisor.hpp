@@ -24,10 +24,11 @@ class Supervisor {
   uint64_t silence_ns() const { return host_heard_ns_ + kHostSilenceNs; }
   bool host_silent() const { return board_.now_ns() >= silence_ns(); }
 
-  // Only along the table; leaving SCANNING turns the laser off before anything else.
+  // Only along the table. The state first, then the laser: an interrupt between the two cannot turn it on any
+  // more.
   void enter(tg_State to) {
-    if (to != tg_State_STATE_SCANNING) laser_off();
-    if (to != state_ && transition_allowed(state_, to)) state_ = to;
+    if (transition_allowed(state_, to)) state_ = to;
+    if (state_ != tg_State_STATE_SCANNING) laser_off();
   }
 
   // Latches the first fault; an open interlock is ESTOP and goes over any other. True when this one is new.
@@ -60,16 +61,26 @@ class Supervisor {
 
   // On only in SCANNING, with a host that listens and every input good.
   bool laser_on() {
-    const bool allowed = state_ == tg_State_STATE_SCANNING && !host_silent() &&
-                         (board_.inputs() & kNeededInputs) == kNeededInputs;
-    board_.set_laser(allowed);
-    return allowed;
+    if (!laser_allowed()) {
+      laser_off();
+      return false;
+    }
+    board_.set_laser(true);
+    // Looked at again: an interlock that opened in between has turned the laser off before this turned it on.
+    if (laser_allowed()) return true;
+    laser_off();
+    return false;
   }
   void laser_off() { board_.set_laser(false); }
 
  private:
+  bool laser_allowed() const {
+    return state_ == tg_State_STATE_SCANNING && !host_silent() &&
+           (board_.inputs() & kNeededInputs) == kNeededInputs;
+  }
+
   B& board_;
-  tg_State state_ = tg_State_STATE_BOOT;
+  volatile tg_State state_ = tg_State_STATE_BOOT;
   tg_FaultCode fault_ = tg_FaultCode_FAULT_NONE;
   uint64_t fault_clock_us_ = 0;
   uint64_t host_heard_ns_ = 0;

@@ -39,6 +39,7 @@ class ScanRunner {
     view_ = 0;
     points_ = rejected_ = crc_ = 0;
     inconsistent_ = railed_ = 0;
+    found_ = tg_FaultCode_FAULT_NONE;
     have_captured_ = false;
     have_record_ = ending_ = flush_wanted_ = false;
     active_ = true;
@@ -53,7 +54,7 @@ class ScanRunner {
   // Drops the ray under way; it is measured again whole when the state is SCANNING again.
   void interrupt_ray() {
     board_.mask_interrupts(true);
-    board_.set_laser(false);
+    supervisor_.laser_off();
     if (phase_ == Phase::kStageSettle) {
       phase_ = Phase::kMoveStage;
     } else if (phase_ != Phase::kNone && phase_ != Phase::kMoveStage && phase_ != Phase::kHold &&
@@ -73,7 +74,10 @@ class ScanRunner {
   }
 
   // Forgets a scan that has ended, with what the host never fetched of it.
-  void drop() { active_ = false; }
+  void drop() {
+    phase_ = Phase::kNone;
+    active_ = false;
+  }
 
   // A fault that measuring has found; FAULT_NONE otherwise.
   tg_FaultCode poll() {
