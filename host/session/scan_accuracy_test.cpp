@@ -148,6 +148,42 @@ TEST(ScanAccuracy, StaircaseOnItsEndByTheDefaultPlan) {
   expect_honest(faces);
 }
 
+// The hand calculation of docs/machine.md: a matt plate at the point aimed at, turned away from the beam.
+TEST(ScanAccuracy, SigmaIsTheHandCalculation) {
+  const auto part = temporary_file("plate.csg", "cube(size = [10, 40, 40], center = true);\n");
+  const struct {
+    double incidence_deg, turn_deg, sigma_mm;
+  } kCases[] = {{0, -35, 0.0276}, {30, -5, 0.0315}, {60, 25, 0.0533}};
+  for (const auto& c : kCases) {
+    const Mat3 R = rotation_from_degrees(0, c.turn_deg, 0);
+    const Solid truth = standing(part, R);
+    auto session = start_session({.part = part, .place = "0," + std::to_string(c.turn_deg) + ",0,0,0,0"});
+    ASSERT_TRUE(session) << session.error().message;
+    PlannedView view;
+    view.slide_mm = 200 - 0.5 * truth.box_max_mm.z();
+    view.window = {.y_min_mm = -8, .y_max_mm = 8, .up_min_mm = -6, .up_max_mm = 6};
+    view.pitch_mm = 0.5;
+    const auto measured = run_scan(*session->link, {.views = {view}});
+    ASSERT_TRUE(measured) << measured.error().message;
+    const Vec3 normal = R * Vec3::UnitX();
+    const double d_mm = normal.dot(Vec3(0, 0, 0.5 * truth.box_max_mm.z())) + 5;
+    double sum2 = 0, reported = 0;
+    const Scan& scan = measured->scan;
+    ASSERT_GT(scan.size(), 600u);
+    for (size_t i = 0; i < scan.size(); ++i) {
+      const double along_ray = (normal.dot(scan.points[i]) - d_mm) / normal.dot(scan.ray_direction(i));
+      sum2 += along_ray * along_ray;
+      reported += static_cast<double>(scan.sigma_mm[i]);
+    }
+    const double n = static_cast<double>(scan.size());
+    const double scatter = std::sqrt(sum2 / n);
+    std::printf("incidence %2.0f degrees: scatter %.4f mm, reported %.4f mm, by hand %.4f mm\n",
+                c.incidence_deg, scatter, reported / n, c.sigma_mm);
+    EXPECT_NEAR(scatter / c.sigma_mm, 1, 0.2) << c.incidence_deg;
+    EXPECT_NEAR(reported / n / c.sigma_mm, 1, 0.2) << c.incidence_deg;
+  }
+}
+
 TEST(ScanAccuracy, SeesACameraThatIsNotWhereItIsBelievedToBe) {
   const auto part = box_file();
   // Both cameras squint: each turned and shifted so that its image of every point moves the same way.
