@@ -48,7 +48,8 @@ std::string first_line(int fd, milliseconds timeout) {
   for (;;) {
     const auto left = std::chrono::duration_cast<milliseconds>(deadline - steady_clock::now()).count();
     pollfd waiting{fd, POLLIN, 0};
-    if (left <= 0 || ::poll(&waiting, 1, static_cast<int>(left)) == 0) return "";
+    if (left <= 0) return "";
+    if (::poll(&waiting, 1, static_cast<int>(left)) <= 0) continue;  // a signal, or time is up
     std::array<char, 256> buffer;
     const ssize_t count = ::read(fd, buffer.data(), buffer.size());
     if (count < 0 && errno == EINTR) continue;

@@ -4,10 +4,15 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <fstream>
 #include <thread>
 
-#include "host/base/whole_file.hpp"
 #include "host/scan/scan_file.hpp"
 #include "host/session/default_plan.hpp"
 #include "host/session/emulated_session.hpp"
@@ -135,6 +140,33 @@ TEST(Session, StoppedByTheUserTheMachineIsReadyAgain) {
   // And it measures as if nothing had been.
   const auto again = run_scan(*session->link, plan_all_round(8, 8));
   EXPECT_TRUE(again) << again.error().message;
+}
+
+TEST(Session, EmulatorEndsWithTheHostThatStartedIt) {
+  const auto part = box_file();
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::pipe(ends.data()), 0);
+  const pid_t host = ::fork();
+  if (host == 0) {
+    const auto session = start_session({.part = part});
+    const pid_t emulator = session ? session->machine->process() : -1;
+    (void)!::write(ends[1], &emulator, sizeof emulator);
+    ::kill(::getpid(), SIGKILL);
+  }
+  pid_t emulator = -1;
+  ASSERT_EQ(::read(ends[0], &emulator, sizeof emulator), static_cast<ssize_t>(sizeof emulator));
+  ASSERT_GT(emulator, 0);
+  ::waitpid(host, nullptr, 0);
+  const auto running = [](pid_t process) {
+    std::ifstream file("/proc/" + std::to_string(process) + "/stat");
+    std::string line;
+    // Whoever adopts it reaps it; a zombie has ended too.
+    return std::getline(file, line) && line.find(") Z") == std::string::npos;
+  };
+  ASSERT_TRUE(running(::getpid()));
+  for (int i = 0; i < 50 && running(emulator); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_FALSE(running(emulator));
 }
 
 TEST(Session, EmptyTableIsSaidClearly) {

@@ -95,11 +95,16 @@ int emulator_main(int argc, char** argv) {
     const int code = app.exit(error);
     return code == 0 ? 0 : static_cast<int>(ErrorKind::usage);
   }
-  if (options.one_host) ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   struct sigaction action {};
   action.sa_handler = ask_to_stop;
   ::sigaction(SIGTERM, &action, nullptr);
-  ::sigaction(SIGINT, &action, nullptr);
+  if (options.one_host) {
+    ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+    // Ctrl-C reaches the host too, which first tells the machine to abort.
+    ::signal(SIGINT, SIG_IGN);
+  } else {
+    ::sigaction(SIGINT, &action, nullptr);
+  }
   ::signal(SIGPIPE, SIG_IGN);
 
   const Status done = run(options);
