@@ -82,9 +82,9 @@ Form form_deviation(std::span<const Eigen::Vector2d> uv, std::span<const double>
   form.cells = cells.size();
   const double of_mean = std::sqrt(variance / static_cast<double>(form.cells));
   const double range = form.highest_mm - form.lowest_mm;
-  const double chance = expected_range(form.cells) * of_mean;
-  // In quadrature: a form well above the noise keeps its size, pure noise vanishes.
-  form.form_mm = std::sqrt(std::max(0.0, range * range - chance * chance));
+  // Linear, not in quadrature: where form and noise add, the highest and the lowest cell are each raised by
+  // the largest noise of the cells at that height, which is at most half of the expected range.
+  form.form_mm = std::max(0.0, range - expected_range(form.cells) * of_mean);
   form.U_mm = 2 * std::sqrt(2.0) * of_mean;  // of a difference of two cells
   return form;
 }

@@ -74,7 +74,7 @@ class Fit {
     }
     for (int round = 0; round < 3; ++round) {
       graduate();
-      keep_rank();
+      share_what_cannot_be_told();
       const double before_mm = result_.scatter_mm, before_rad = result_.scatter_rad;
       estimate_scatter(false);
       if (std::abs(before_mm - result_.scatter_mm) < 0.05 * before_mm &&
@@ -203,26 +203,46 @@ class Fit {
     step();
   }
 
-  // Two faces alone along a direction whose distance is wrong are both left out, and nothing would hold the
-  // part there. Then both come back, with what they disagree by as their uncertainty.
-  void keep_rank() {
-    const auto rank = [&](bool all) {
+  // A direction that one kept face alone holds, or none, although left-out faces bound it too: their
+  // distances are wrong, and nobody can say which of them moved. Then all of them share it, each as uncertain
+  // as they disagree.
+  void share_what_cannot_be_told() {
+    std::vector<size_t> holders;  // faces to try without; seen_.size() stands for none
+    for (size_t k = 0; k < seen_.size(); ++k)
+      if (weight_[k] > 0) holders.push_back(k);
+    holders.push_back(seen_.size());
+    std::vector<double> shared = weight_;
+    for (const size_t without : holders) {
       Mat3 normals = Mat3::Zero();
       for (size_t k = 0; k < seen_.size(); ++k)
-        if (all || weight_[k] > 0) normals += seen_[k].model_normal * seen_[k].model_normal.transpose();
-      return normals;
-    };
-    const Eigen::SelfAdjointEigenSolver<Mat3> all(rank(true)), kept(rank(false));
-    for (int axis = 0; axis < 3; ++axis) {
-      const Vec3 free = kept.eigenvectors().col(axis);
-      if (kept.eigenvalues()[axis] > 1e-4) continue;
-      for (size_t k = 0; k < seen_.size(); ++k) {
-        if (std::abs(seen_[k].model_normal.dot(free)) < 0.05 || weight_[k] > 0) continue;
-        const double q = cost(k);
-        weight_[k] = q > 1 ? 1 / q : 1;
-      }
+        if (weight_[k] > 0 && k != without)
+          normals += seen_[k].model_normal * seen_[k].model_normal.transpose();
+      const Eigen::SelfAdjointEigenSolver<Mat3> eigen(normals);
+      for (int axis = 0; axis < 3; ++axis)
+        if (eigen.eigenvalues()[axis] < 1e-4) share_along(eigen.eigenvectors().col(axis), without, shared);
     }
+    if (shared == weight_) return;
+    weight_ = std::move(shared);
     for (int i = 0; i < 3; ++i) step();
+  }
+
+  void share_along(const Vec3& free, size_t holder, std::vector<double>& shared) const {
+    std::vector<size_t> candidates;
+    double low = 1e300, high = -1e300;  // where each would put the part along `free`
+    for (size_t k = 0; k < seen_.size(); ++k) {
+      const double cosine = seen_[k].model_normal.dot(free);
+      if (std::abs(cosine) < 0.05 || (weight_[k] > 0 && k != holder)) continue;
+      const Vec3 r = plane_residual(seen_[k], result_.T_model_part);
+      const Mat3 W = information(seen_[k], result_.scatter_mm, result_.scatter_rad);
+      if (r[1] * r[1] * W(1, 1) + r[2] * r[2] * W(2, 2) > kChi2_3_999) continue;  // tilted: not the same face
+      candidates.push_back(k);
+      low = std::min(low, r[0] / cosine);
+      high = std::max(high, r[0] / cosine);
+    }
+    if (candidates.size() < 2 || !(high > low)) return;
+    for (const size_t k : candidates)
+      shared[k] = 1 / ((high - low) * (high - low) *
+                       information(seen_[k], result_.scatter_mm, result_.scatter_rad)(0, 0));
   }
 
   void conclude() {
@@ -231,7 +251,7 @@ class Fit {
     result_.used.resize(seen_.size());
     for (size_t k = 0; k < seen_.size(); ++k) {
       result_.used[k] = weight_[k] > 0;
-      if (!result_.used[k]) continue;
+      if (weight_[k] < 0.5) continue;
       const double offset = plane_residual(seen_[k], result_.T_model_part)[0];
       sum += offset * offset;
       ++count;

@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The whole host pipeline on simulated scans of parts whose defects are known from their drawings.
+#include "host/inspect/inspect.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <random>
+
+#include "host/inspect/decide.hpp"
+#include "host/simulate/simulate.hpp"
+
+namespace tetragauge {
+namespace {
+
+using Outline = std::vector<std::array<double, 2>>;
+
+// The thesis's staircase, mm: a polygon in (x, z), swept over y = 0..60.
+const Outline kStaircase{{0, 0},   {80, 0},  {80, 20}, {60, 20}, {60, 40}, {40, 40}, {40, 50},
+                         {20, 50}, {20, 60}, {0, 60},  {0, 40},  {30, 10}, {0, 10}};
+
+std::string swept(const Outline& xz, double from, double to) {
+  std::string points;
+  for (const auto& [x, z] : xz)
+    points += (points.empty() ? "[" : ", [") + std::to_string(x) + ", " + std::to_string(z) + "]";
+  // The sweep runs along z; its axes are turned so that it runs along y.
+  return "multmatrix([[1, 0, 0, 0], [0, 0, -1, " + std::to_string(to) +
+         "], [0, 1, 0, 0], [0, 0, 0, 1]]) { linear_extrude(height = " + std::to_string(to - from) +
+         ", scale = [1, 1]) { polygon(points = [" + points + "], paths = undef); } }\n";
+}
+
+Solid solid(const std::string& csg) {
+  const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) /
+                                     (std::string("tetragauge_inspect_") + info->name() + ".csg");
+  std::ofstream(path, std::ios::binary) << csg;
+  Result<Solid> read = read_solid(path);
+  std::filesystem::remove(path);
+  if (!read) {
+    ADD_FAILURE() << read.error().message;
+    return {};
+  }
+  return std::move(read).value();
+}
+
+Solid staircase() {
+  return solid(swept(kStaircase, 0, 60));
+}
+
+struct View {
+  size_t points = 8000;
+  double sigma_mm = 0.02;
+  uint64_t seed = 1;
+  RigidTransform T_scan_model{rotation_from_degrees(20, 30, 40), Vec3(5, 6, 7)};
+};
+
+Scan scan_of(const Solid& part, const View& view = {}) {
+  SimulateOptions options;
+  options.points = view.points;
+  options.sigma_mm = view.sigma_mm;
+  options.seed = view.seed;
+  options.T_scan_model = view.T_scan_model;
+  Result<Scan> scan = simulate(part, RayCaster(part), options);
+  if (!scan) {
+    ADD_FAILURE() << scan.error().message;
+    return {};
+  }
+  return std::move(scan).value();
+}
+
+Tolerances profile(double mm) {
+  Tolerances tolerances;
+  tolerances.given = true;
+  tolerances.by_default.profile_mm = mm;
+  return tolerances;
+}
+
+InspectionRun run_inspect(const Scan& scan, const Solid& model, const Tolerances& tolerances) {
+  Result<InspectionRun> run = inspect(scan, model, tolerances);
+  if (!run) {
+    ADD_FAILURE() << run.error().message;
+    return {};
+  }
+  return std::move(run).value();
+}
+
+// The model's face with this normal at this offset (and centroid height, where two patches share the plane).
+int face_at(const Solid& model, const Vec3& normal, double d_mm) {
+  for (const Face& face : model.faces())
+    if (face.type == SurfaceType::plane && (face.normal - normal).norm() < 1e-9 &&
+        std::abs(face.d_mm - d_mm) < 1e-6)
+      return face.id;
+  ADD_FAILURE() << "no face at " << normal.transpose() << " " << d_mm;
+  return 1;
+}
+
+// U is at k = 2: one draw in 20 lies outside it, one in 400 outside three standard uncertainties.
+double three_sigma(double U) {
+  return 1.5 * U;
+}
+
+const FaceInspection& result(const InspectionRun& run, int id) {
+  return run.inspection.faces[static_cast<size_t>(id) - 1];
+}
+
+TEST(Inspect, GoodPartPassesInRandomPoses) {
+  const Solid model = staircase();
+  const int slope = face_at(model, -Vec3(1, 0, 1).normalized(), -40 / std::sqrt(2.0));
+  const int under = face_at(model, Vec3::UnitZ(), 10);
+  std::mt19937_64 random(1989);
+  std::uniform_real_distribution<double> angle(-180, 180), shift(-100, 100);
+  for (uint64_t n = 0; n < 2; ++n) {
+    View view;
+    view.points = 20000;
+    view.seed = n;
+    view.T_scan_model = {rotation_from_degrees(angle(random), angle(random) / 2, angle(random)),
+                         Vec3(shift(random), shift(random), shift(random))};
+    const InspectionRun run = run_inspect(scan_of(model, view), model, profile(0.1));
+    const Inspection& inspection = run.inspection;
+    EXPECT_EQ(inspection.verdict, Verdict::pass) << n;
+    EXPECT_EQ(inspection.match.pairs.size(), 15u);
+    EXPECT_TRUE(inspection.match.equivalents.empty());
+    EXPECT_TRUE(inspection.match.undetermined.empty());
+    EXPECT_TRUE(inspection.missing_faces.empty());
+    EXPECT_TRUE(inspection.extra_faces.empty());
+    const RigidTransform error = inspection.match.T_model_part * view.T_scan_model;
+    EXPECT_LT(rotation_angle(error.R), 0.02 * std::numbers::pi / 180);
+    EXPECT_LT((error * model.centroid_mm - model.centroid_mm).norm(), 0.02);
+    for (const FaceInspection& face : inspection.faces) {
+      EXPECT_TRUE(face.measured) << face.model_id;
+      // The slope and the plane above it lie under an overhang, which some of the eight views cannot look
+      // under.
+      const bool overhung = face.model_id == slope || face.model_id == under;
+      EXPECT_GT(face.coverage, overhung ? 0.5 : 0.95) << face.model_id;
+      EXPECT_LT(std::abs(face.offset_mm), 0.01) << face.model_id;
+    }
+    ASSERT_EQ(inspection.timing.stages_s().size(), 4u);
+    EXPECT_EQ(inspection.timing.stages_s()[0].first, "reconstruct");
+    EXPECT_EQ(inspection.timing.stages_s()[3].first, "inspect");
+  }
+}
+
+TEST(Inspect, OneRiserOutOfPlaceIsNamed) {
+  Outline outline = kStaircase;
+  outline[3][0] = outline[4][0] = 60.4;  // the riser x = 60
+  const Solid model = staircase(), part = solid(swept(outline, 0, 60));
+  const InspectionRun run = run_inspect(scan_of(part), model, profile(0.2));
+  const int riser = face_at(model, Vec3::UnitX(), 60);
+  EXPECT_EQ(run.inspection.verdict, Verdict::fail);
+  for (const FaceInspection& face : run.inspection.faces)
+    EXPECT_EQ(face.verdict, face.model_id == riser ? Verdict::fail : Verdict::pass) << face.model_id;
+  const FaceInspection& out = result(run, riser);
+  EXPECT_NEAR(out.offset_mm, 0.4, three_sigma(out.U_offset_mm));
+  EXPECT_LT(out.U_offset_mm, 0.01);
+  EXPECT_EQ(out.criterion, "profile");
+  EXPECT_NEAR(out.profile_mm, 0.4, three_sigma(out.U_profile_mm));
+}
+
+TEST(Inspect, ATiltedFaceIsMeasured) {
+  Outline outline = kStaircase;
+  outline[4][0] = 60.2;  // the riser's upper edge leans out by 0.2 mm over 20 mm: 10 mrad
+  const Solid model = staircase(), part = solid(swept(outline, 0, 60));
+  const InspectionRun run = run_inspect(scan_of(part), model, profile(0.1));
+  const FaceInspection& riser = result(run, face_at(model, Vec3::UnitX(), 60));
+  EXPECT_EQ(riser.verdict, Verdict::fail);
+  EXPECT_NEAR(riser.tilt_rad, 0.01, three_sigma(riser.U_tilt_rad));
+  EXPECT_NEAR(riser.offset_mm, 0.1, three_sigma(riser.U_offset_mm));
+  EXPECT_NEAR(riser.profile_mm, 0.2, three_sigma(riser.U_profile_mm));
+  EXPECT_EQ(run.inspection.verdict, Verdict::fail);
+}
+
+TEST(Inspect, TwoEndsAtAWrongDistanceAreBothCandidates) {
+  const Solid model = staircase(), part = solid(swept(kStaircase, 0, 60.4));
+  const InspectionRun run = run_inspect(scan_of(part), model, profile(0.1));
+  const int front = face_at(model, -Vec3::UnitY(), 0), back = face_at(model, Vec3::UnitY(), 60);
+  EXPECT_EQ(run.inspection.verdict, Verdict::fail);
+  for (const FaceInspection& face : run.inspection.faces) {
+    if (face.model_id == front || face.model_id == back) {
+      EXPECT_EQ(face.verdict, Verdict::fail);
+      EXPECT_EQ(face.candidate_with, face.model_id == front ? back : front);
+      EXPECT_NEAR(face.deviation_mm, 0.4, three_sigma(face.U_mm));
+      EXPECT_LT(face.U_mm, 0.02);
+    } else {
+      EXPECT_EQ(face.verdict, Verdict::pass) << face.model_id;
+    }
+  }
+}
+
+TEST(Inspect, AMissingStepIsProvedAbsentByRays) {
+  Outline outline = kStaircase;
+  outline.erase(outline.begin() + 7, outline.begin() + 10);  // the uppermost step, z 50..60, is cut off
+  outline.insert(outline.begin() + 7, {0, 50});
+  const Solid model = staircase(), part = solid(swept(outline, 0, 60));
+  const InspectionRun run = run_inspect(scan_of(part), model, profile(0.2));
+  const int top = face_at(model, Vec3::UnitZ(), 60), riser = face_at(model, Vec3::UnitX(), 20);
+  EXPECT_EQ(run.inspection.verdict, Verdict::fail);
+  EXPECT_EQ(result(run, top).verdict, Verdict::fail);
+  EXPECT_EQ(result(run, riser).verdict, Verdict::fail);
+  std::vector<int> missing = run.inspection.missing_faces;
+  std::vector<int> expected{top, riser};
+  std::sort(expected.begin(), expected.end());
+  EXPECT_EQ(missing, expected);
+}
+
+TEST(Inspect, AnExtraBossFails) {
+  // A block of 12 x 20 x 6 mm on the tread z = 20.
+  const std::string boss =
+      "multmatrix([[1, 0, 0, 64], [0, 1, 0, 20], [0, 0, 1, 19], [0, 0, 0, 1]]) { cube(size = "
+      "[12, 20, 7], center = false); }\n";
+  const Solid model = staircase(), part = solid("union() {\n" + swept(kStaircase, 0, 60) + boss + "}\n");
+  const InspectionRun run = run_inspect(scan_of(part), model, profile(0.2));
+  EXPECT_EQ(run.inspection.verdict, Verdict::fail);
+  EXPECT_FALSE(run.inspection.extra_material.empty());
+  EXPECT_EQ(run.inspection.match.pairs.size(), 15u);
+  const RigidTransform error = run.inspection.match.T_model_part * View{}.T_scan_model;
+  EXPECT_LT((error * model.centroid_mm - model.centroid_mm).norm(), 0.02);
+  for (const FaceInspection& face : run.inspection.faces)
+    EXPECT_EQ(face.verdict, Verdict::pass) << face.model_id;
+}
+
+TEST(Inspect, AFaceNobodySawIsNeverAPass) {
+  const Solid model = staircase();
+  const int bottom = face_at(model, -Vec3::UnitZ(), 0), left = face_at(model, -Vec3::UnitX(), 0);
+  Scan scan = scan_of(model);
+  const RigidTransform T_model_scan = View{}.T_scan_model.inverse();
+  Scan part;
+  part.header = scan.header;
+  for (size_t i = 0; i < scan.size(); ++i) {
+    const Vec3 p = T_model_scan * scan.points[i];
+    if (p.z() < 0.5) continue;                              // nothing of the bottom
+    if (p.x() < 0.5 && p.z() > 40 && p.y() > 20) continue;  // a third of the upper patch of x = 0
+    part.points.push_back(scan.points[i]);
+    part.ray_origins.push_back(scan.ray_origins[i]);
+    part.sigma_mm.push_back(scan.sigma_mm[i]);
+    part.intensity.push_back(scan.intensity[i]);
+    part.view.push_back(scan.view[i]);
+    part.flags.push_back(scan.flags[i]);
+  }
+  const InspectionRun run = run_inspect(part, model, profile(0.2));
+  EXPECT_EQ(run.inspection.verdict, Verdict::not_measured);
+  EXPECT_EQ(result(run, bottom).verdict, Verdict::not_measured);
+  EXPECT_TRUE(run.inspection.missing_faces.empty());
+  int too_little = 0;
+  for (const FaceInspection& face : run.inspection.faces) {
+    if (face.model_id == bottom) continue;
+    if (model.faces()[static_cast<size_t>(face.model_id) - 1].surface ==
+            model.faces()[static_cast<size_t>(left) - 1].surface &&
+        face.coverage < 0.5) {
+      ++too_little;
+      EXPECT_EQ(face.verdict, Verdict::not_measured);
+      EXPECT_NEAR(face.coverage, 1.0 / 3, 0.08);
+    } else {
+      EXPECT_EQ(face.verdict, Verdict::pass) << face.model_id;
+    }
+  }
+  EXPECT_EQ(too_little, 1);
+  // Skipped faces do not count.
+  Tolerances skipping = profile(0.2);
+  for (const FaceInspection& face : run.inspection.faces)
+    if (face.verdict == Verdict::not_measured) skipping.skip.insert(face.model_id);
+  const InspectionRun again = run_inspect(part, model, skipping);
+  EXPECT_EQ(again.inspection.verdict, Verdict::pass);
+  EXPECT_EQ(result(again, bottom).verdict, Verdict::skipped);
+}
+
+TEST(Inspect, WithoutTolerancesThereIsNoVerdict) {
+  View view;
+  view.points = 5000;
+  const Solid model = staircase();
+  const InspectionRun run = run_inspect(scan_of(model, view), model, {});
+  EXPECT_EQ(run.inspection.verdict, Verdict::none);
+  for (const FaceInspection& face : run.inspection.faces) EXPECT_EQ(face.verdict, Verdict::none);
+}
+
+TEST(Inspect, ABoreIsComparedPointByPoint) {
+  const auto block = [](double radius) {
+    return "difference() { cube(size = [60, 50, 20], center = false); multmatrix([[1, 0, 0, 20], [0, 1, 0, "
+           "20], [0, 0, 1, "
+           "-1], [0, 0, 0, 1]]) { cylinder($fn = 0, $fa = 12, $fs = 2, h = 22, r1 = " +
+           std::to_string(radius) + ", r2 = " + std::to_string(radius) + ", center = false); } }\n";
+  };
+  const Solid model = solid(block(12)), part = solid(block(12.2));
+  const InspectionRun run = run_inspect(scan_of(part), model, profile(0.2));
+  int bores = 0;
+  for (size_t k = 0; k < model.faces().size(); ++k) {
+    const FaceInspection& face = run.inspection.faces[k];
+    if (model.faces()[k].type == SurfaceType::plane) {
+      EXPECT_EQ(face.verdict, Verdict::pass) << face.model_id;
+      continue;
+    }
+    ++bores;
+    EXPECT_TRUE(face.measured);
+    EXPECT_NEAR(face.offset_mm, -0.2, three_sigma(face.U_offset_mm));  // material is missing
+    EXPECT_EQ(face.verdict, Verdict::fail);
+  }
+  EXPECT_GE(bores, 1);
+  EXPECT_EQ(run.inspection.verdict, Verdict::fail);
+}
+
+TEST(Inspect, UncertaintyHoldsTheTruth) {
+  // On a perfect part every offset is error: |offset| > U (k = 2) in at most 5 % of the faces, and U not far
+  // larger.
+  const Solid model = staircase();
+  int beyond = 0, faces = 0;
+  double mean_square = 0;  // of offset in standard uncertainties
+  for (uint64_t seed = 1; seed <= 12; ++seed) {
+    View view;
+    view.points = 4000;
+    view.seed = seed;
+    const InspectionRun run = run_inspect(scan_of(model, view), model, {});
+    for (const FaceInspection& face : run.inspection.faces) {
+      ++faces;
+      beyond += std::abs(face.offset_mm) > face.U_offset_mm;
+      mean_square += std::pow(2 * face.offset_mm / face.U_offset_mm, 2);
+    }
+  }
+  EXPECT_EQ(faces, 12 * 15);
+  EXPECT_LE(beyond, 16);  // 9 expected, standard deviation 3
+  EXPECT_GT(mean_square / faces, 0.3);
+  EXPECT_LT(mean_square / faces, 1.4);
+}
+
+}  // namespace
+}  // namespace tetragauge

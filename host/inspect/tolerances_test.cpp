@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/inspect/tolerances.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace tetragauge {
+namespace {
+
+FaceList model() {
+  FaceList list;
+  for (int id = 1; id <= 12; ++id) {
+    Face face;
+    face.id = id;
+    face.surface = (id + 1) / 2;  // 1 to 6
+    face.type = id > 10 ? SurfaceType::cylinder : SurfaceType::plane;
+    list.faces.push_back(face);
+  }
+  return list;
+}
+
+Result<Tolerances> read(const std::string& text) {
+  const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) /
+                                     (std::string("tetragauge_tolerances_") + info->name() + ".json");
+  std::ofstream(path, std::ios::binary) << text;
+  Result<Tolerances> result = read_tolerances(path, model());
+  std::filesystem::remove(path);
+  return result;
+}
+
+void expect_error(const std::string& text, const std::vector<std::string>& parts) {
+  const Result<Tolerances> result = read(text);
+  ASSERT_FALSE(result.ok()) << text;
+  EXPECT_EQ(result.error().kind, ErrorKind::bad_input) << text;
+  for (const std::string& part : parts)
+    EXPECT_NE(result.error().message.find(part), std::string::npos)
+        << text << "\n  says: " << result.error().message << "\n  without: " << part;
+}
+
+TEST(Tolerances, FaceOverSurfaceOverTypeOverDefault) {
+  const Result<Tolerances> t =
+      read(R"({"default": {"profile_mm": 0.4, "flatness_mm": 0.3}, "type": {"plane": {"profile_mm": 0.3}},
+    "surface": {"2": {"profile_mm": 0.2}}, "face": {"4": {"profile_mm": 0.1, "offset_mm": 0.05}}, "skip": [7], "min_coverage": 0.7})");
+  ASSERT_TRUE(t.ok()) << t.error().message;
+  EXPECT_TRUE(t->given);
+  const FaceList list = model();
+  EXPECT_EQ(t->of(list.faces[11]).profile_mm, 0.4);  // cylinder
+  EXPECT_EQ(t->of(list.faces[0]).profile_mm, 0.3);   // plane
+  EXPECT_EQ(t->of(list.faces[2]).profile_mm, 0.2);   // face 3 on surface 2
+  EXPECT_EQ(t->of(list.faces[3]).profile_mm, 0.1);   // face 4 on surface 2
+  EXPECT_EQ(t->of(list.faces[3]).offset_mm, 0.05);
+  EXPECT_EQ(t->of(list.faces[3]).flatness_mm, 0.3);  // key by key
+  EXPECT_EQ(t->skip, std::set<int>{7});
+  EXPECT_EQ(t->min_coverage, 0.7);
+  EXPECT_EQ(read("{}")->min_coverage, 0.5);
+}
+
+TEST(Tolerances, UnknownKeysNameTheNearest) {
+  expect_error(R"({"defualt": {}})", {"defualt", "default"});
+  expect_error(R"({"default": {"profil_mm": 0.1}})", {"default.profil_mm", "profile_mm"});
+  expect_error(R"({"type": {"cylindr": {}}})", {"type.cylindr", "cylinder"});
+  expect_error(R"({"face": {"3": {"flatnes_mm": 1}}})", {"face.3.flatnes_mm", "flatness_mm"});
+}
+
+TEST(Tolerances, UnknownFacesAreErrors) {
+  expect_error(R"({"face": {"13": {"profile_mm": 0.1}}})", {"face.13", "13", "1 to 12"});
+  expect_error(R"({"surface": {"7": {"profile_mm": 0.1}}})", {"surface.7", "1 to 6"});
+  expect_error(R"({"skip": [3, 40]})", {"skip[1]", "40", "1 to 12"});
+  expect_error(R"({"face": {"three": {}}})", {"face.three"});
+}
+
+TEST(Tolerances, WrongValuesAreErrors) {
+  expect_error("{\"default\": ", {"not JSON"});
+  expect_error("[]", {"object"});
+  expect_error(R"({"default": {"profile_mm": -0.1}})", {"default.profile_mm", "-0.1"});
+  expect_error(R"({"default": {"profile_mm": "0.1"}})", {"default.profile_mm"});
+  expect_error(R"({"default": 3})", {"default"});
+  expect_error(R"({"skip": 3})", {"skip"});
+  expect_error(R"({"skip": [1.5]})", {"skip[0]"});
+  expect_error(R"({"min_coverage": 2})", {"min_coverage"});
+  const Result<Tolerances> missing = read_tolerances("/nonexistent/tolerances.json", model());
+  ASSERT_FALSE(missing.ok());
+  EXPECT_EQ(missing.error().kind, ErrorKind::bad_input);
+}
+
+}  // namespace
+}  // namespace tetragauge

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Matching with rays: what face lists alone cannot tell.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+
+#include "host/match/match.hpp"
+#include "host/simulate/simulate.hpp"
+
+namespace tetragauge {
+namespace {
+
+Solid solid(const std::string& csg) {
+  const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+  const std::filesystem::path path =
+      std::filesystem::path(testing::TempDir()) / (std::string("tetragauge_match_") + info->name() + ".csg");
+  std::ofstream(path, std::ios::binary) << csg;
+  Result<Solid> read = read_solid(path);
+  std::filesystem::remove(path);
+  if (!read) {
+    ADD_FAILURE() << read.error().message;
+    return {};
+  }
+  return std::move(read).value();
+}
+
+std::string block(const std::string& size, const std::string& at) {
+  return "multmatrix([[1, 0, 0, " + at.substr(0, at.find(' ')) + "], [0, 1, 0, " +
+         at.substr(at.find(' ') + 1, at.rfind(' ') - at.find(' ') - 1) + "], [0, 0, 1, " +
+         at.substr(at.rfind(' ') + 1) + "], [0, 0, 0, 1]]) { cube(size = [" + size +
+         "], center = false); }\n";
+}
+
+struct Simulated {
+  Result<Match> match;
+  RigidTransform error;  // of the chosen pose
+};
+
+Simulated match_simulated(const Solid& model, size_t points, uint64_t seed) {
+  const RayCaster caster(model);
+  SimulateOptions options;
+  options.points = points;
+  options.seed = seed;
+  options.T_scan_model = {rotation_from_degrees(75, -35, 110), Vec3(-20, 40, 10)};
+  Result<Scan> scan = simulate(model, caster, options);
+  EXPECT_TRUE(scan.ok());
+  Result<Reconstruction> reconstruction = reconstruct(*scan);
+  EXPECT_TRUE(reconstruction.ok());
+  Result<MeasuredFaces> faces = find_faces(*scan, *reconstruction);
+  EXPECT_TRUE(faces.ok());
+  Simulated run{match_scan(model, caster, *scan, *faces), {}};
+  EXPECT_TRUE(run.match.ok());
+  if (run.match.ok()) run.error = run.match->T_model_part * options.T_scan_model;
+  return run;
+}
+
+TEST(MatchScan, ACubeHas24Poses) {
+  const Simulated run = match_simulated(solid("cube(size = [40, 40, 40], center = false);\n"), 6000, 1);
+  EXPECT_EQ(run.match->equivalents.size(), 23u);
+  EXPECT_EQ(run.match->pairs.size(), 6u);
+}
+
+TEST(MatchScan, RaysTellWhereASmallPocketIs) {
+  // A square plate with a square pocket 8 mm off its middle: a face list knows the pocket's planes but not
+  // their outlines.
+  const Solid model = solid("difference() { cube(size = [60, 60, 15], center = false);\n" +
+                            block("12, 12, 10", "32 24 10") + "}\n");
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    const Simulated run = match_simulated(model, 8000, seed);
+    EXPECT_TRUE(run.match->equivalents.empty()) << seed;
+    EXPECT_LT(rotation_angle(run.error.R), 0.02 * std::numbers::pi / 180) << seed;
+    EXPECT_LT((run.error * model.centroid_mm - model.centroid_mm).norm(), 0.02) << seed;
+    EXPECT_TRUE(run.match->unmatched_measured.empty());
+    EXPECT_GE(run.match->pairs.size(), 7u);  // the pocket's walls have some 30 points each: found or not
+  }
+}
+
+TEST(MatchScan, ABoxWithAHoleIsResolvedByRaysAlone) {
+  // A bore has no plane: the six planes of the box leave four poses, and only rays into the bore say which.
+  const Solid model = solid(
+      "difference() { cube(size = [60, 40, 15], center = false); multmatrix([[1, 0, 0, 15], [0, 1, 0, 12], "
+      "[0, 0, 1, "
+      "-1], [0, 0, 0, 1]]) { cylinder($fn = 0, $fa = 12, $fs = 2, h = 17, r1 = 6, r2 = 6, center = false); } "
+      "}\n");
+  const Simulated run = match_simulated(model, 8000, 1);
+  EXPECT_TRUE(run.match->equivalents.empty());
+  EXPECT_LT(rotation_angle(run.error.R), 0.02 * std::numbers::pi / 180);
+}
+
+}  // namespace
+}  // namespace tetragauge
