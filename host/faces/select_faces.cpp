@@ -98,9 +98,9 @@ class Selector {
         ++steps;
       }
     }
-    // Near vertices went to one face and far ones to the other by their noise: a mean step of up to 2 sigma
-    // is no step.
-    return steps >= 3 && std::abs(step) <= 2 * std::sqrt(variance * static_cast<double>(steps));
+    // Where pieces overlap, noise sorts their vertices into the higher and the lower one: 1.6 sigma apart
+    // with no step at all. A mean step of up to 3 sigma is none.
+    return steps >= 3 && std::abs(step) <= 3 * std::sqrt(variance * static_cast<double>(steps));
   }
 
   double vertex_sigma(uint32_t v, const PlaneFit& plane) const {

@@ -108,8 +108,9 @@ class Averager {
     const auto plane = local_plane();
     if (!plane || std::abs(plane->normal.dot(scan_.points[seed]) - plane->d_mm) > gate(seed, plane->normal))
       return false;
-    // Half discs (the other half went to earlier seeds) of this radius are one square of the spacing.
-    const double radius2 = std::pow(0.75 * scale * spacing_mm_, 2);
+    // Half a disc (the other half went to earlier seeds) of 0.8 of the spacing has the area of its square; a
+    // little more, so that regular rasters just wider than that are averaged too.
+    const double radius2 = std::pow(0.9 * scale * spacing_mm_, 2);
     for (uint32_t i : near_) {
       if (i == seed || taken_[i]) continue;
       const Vec3 r = scan_.points[i] - scan_.points[seed];
