@@ -2,6 +2,7 @@
 #include "sim/world.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -13,17 +14,25 @@
 namespace tetragauge::sim {
 namespace {
 
-std::filesystem::path temporary_file(const std::string& name, const std::string& text) {
-  const auto path =
-      std::filesystem::temp_directory_path() / ("tetragauge-sim-" + std::to_string(::getpid()) + name);
-  std::ofstream(path) << text;
-  return path;
-}
+// A file that is there while the object is.
+class TemporaryFile {
+ public:
+  TemporaryFile(const std::string& ending, const std::string& text)
+      : path_(std::filesystem::temp_directory_path() /
+              ("tetragauge-sim-" + std::to_string(::getpid()) + ending)) {
+    std::ofstream(path_) << text;
+  }
+  ~TemporaryFile() { std::filesystem::remove(path_); }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
 
 Solid box(double x, double y, double z) {
-  const auto solid =
-      read_solid(temporary_file(".csg", "cube(size = [" + std::to_string(x) + ", " + std::to_string(y) +
-                                            ", " + std::to_string(z) + "], center = false);\n"));
+  const TemporaryFile file(".csg", "cube(size = [" + std::to_string(x) + ", " + std::to_string(y) + ", " +
+                                       std::to_string(z) + "], center = false);\n");
+  const auto solid = read_solid(file.path());
   EXPECT_TRUE(solid) << solid.error().message;
   return *solid;
 }
@@ -143,9 +152,9 @@ TEST(TrueGeometry, MirrorsTurnTheBeamTwiceAsFar) {
 }
 
 TEST(ReadWorld, MovesWhatTheFileSays) {
-  const auto file = temporary_file(".json", R"({"camera_2": {"shift_mm": [0.1, 0, 0], "distortion": 0.005},
+  const TemporaryFile file(".json", R"({"camera_2": {"shift_mm": [0.1, 0, 0], "distortion": 0.005},
       "mirror_b": {"zero_deg": 0.5}, "light": {"part_albedo": 0.3}})");
-  const auto world = read_world(file);
+  const auto world = read_world(file.path());
   ASSERT_TRUE(world) << world.error().message;
   const TrueGeometry nominal = nominal_geometry();
   const auto lens = [](const TrueCamera& c) { return c.T_camera_machine.inverse().t; };
@@ -166,7 +175,8 @@ TEST(ReadWorld, ErrorsNameThePlace) {
       {R"({"light": 3})", "object"},
   };
   for (const auto& [text, word] : kCases) {
-    const auto world = read_world(temporary_file(".json", text));
+    const TemporaryFile file(".json", text);
+    const auto world = read_world(file.path());
     ASSERT_FALSE(world) << text;
     EXPECT_EQ(world.error().kind, ErrorKind::bad_input);
     EXPECT_NE(world.error().message.find(word), std::string::npos) << world.error().message;

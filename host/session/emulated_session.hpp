@@ -2,6 +2,8 @@
 // For tests: a machine of one's own with a part on it, and a link to it.
 #pragma once
 
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -32,12 +34,16 @@ inline Result<EmulatedSession> start_session(EmulatedMachineOptions options) {
   return session;
 }
 
-// A file in a folder of this test's own.
+// A file in a folder of this test program's own, removed at its end.
 inline std::filesystem::path temporary_file(const std::string& name, const std::string& content) {
-  const auto folder =
-      std::filesystem::temp_directory_path() / ("tetragauge-test-" + std::to_string(::getpid()));
-  std::filesystem::create_directories(folder);
-  const auto path = folder / name;
+  struct Folder {
+    std::filesystem::path path =
+        std::filesystem::temp_directory_path() / ("tetragauge-test-" + std::to_string(::getpid()));
+    Folder() { std::filesystem::create_directories(path); }
+    ~Folder() { std::filesystem::remove_all(path); }
+  };
+  static const Folder folder;
+  const auto path = folder.path / name;
   std::ofstream(path) << content;
   return path;
 }
