@@ -123,6 +123,28 @@ TEST(Session, FrozenMachineIsAnErrorInBoundedTime) {
       << measured.error().message;
 }
 
+// After 5 s of wall time the host counts as silent; the firmware pauses with the laser off, and goes on when
+// it is back.
+TEST(Session, SilentHostPausesTheMachineAndBreaksNothing) {
+  const auto part = box_file();
+  auto session = start_session({.part = part});
+  ASSERT_TRUE(session) << session.error().message;
+  bool slept = false;
+  bool paused = false;
+  ScanOptions options;
+  options.on_progress = [&](const ScanProgress& progress) {
+    const auto& heartbeat = session->link->heartbeat();
+    paused = paused || (heartbeat && heartbeat->state == tg_State_STATE_PAUSED);
+    if (slept || progress.view != 2) return;
+    slept = true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5800));
+  };
+  const auto measured = run_scan(*session->link, plan_all_round(4, 16), options);
+  ASSERT_TRUE(measured) << measured.error().message;
+  EXPECT_TRUE(paused);
+  EXPECT_TRUE(scan_to_ply(measured->scan) == scan_bytes({.part = part}));
+}
+
 TEST(Session, StoppedByTheUserTheMachineIsReadyAgain) {
   auto session = start_session({.part = box_file()});
   ASSERT_TRUE(session) << session.error().message;
