@@ -16,8 +16,8 @@ constexpr double kLeastCosine = 0.1;
 
 CastScan cast_scan(const Scan& scan, const Solid& model, const RayCaster& caster, const RigidTransform& T) {
   const size_t n = scan.size();
-  CastScan out{std::vector<Vec3>(n), std::vector<int>(n, -1), std::vector<double>(n, 0.0),
-               std::vector<double>(n, 0.0), std::vector<double>(n, 0.0)};
+  CastScan out{std::vector<Vec3>(n),        std::vector<int>(n, -1),     std::vector<Vec3>(n, Vec3::Zero()),
+               std::vector<double>(n, 0.0), std::vector<double>(n, 0.0), std::vector<double>(n, 0.0)};
   // Each index writes its own slots: the result does not depend on the threads.
   tbb::parallel_for(size_t{0}, n, [&](size_t i) {
     const Vec3 origin = T * scan.ray_origins[i];
@@ -32,11 +32,13 @@ CastScan cast_scan(const Scan& scan, const Solid& model, const RayCaster& caster
     if (!hit) return;
     const Face& face = model.faces()[static_cast<size_t>(hit->face)];
     out.face[i] = hit->face;
+    out.hit_mm[i] = hit->point_mm;
     out.beyond_mm[i] = range - hit->distance_mm;
     out.sigma_mm[i] = sigma * std::max(kLeastCosine, std::abs(hit->normal.dot(direction)));
-    // No closed form for a free-form surface: to its tangent plane at the hit.
-    out.deviation_mm[i] = face.type == SurfaceType::other ? hit->normal.dot(point - hit->point_mm)
-                                                          : distance_to_surface(face, point);
+    // No closed form for a torus or a free-form surface: to its tangent plane at the hit.
+    const bool to_tangent = face.type == SurfaceType::torus || face.type == SurfaceType::other;
+    out.deviation_mm[i] =
+        to_tangent ? hit->normal.dot(point - hit->point_mm) : distance_to_surface(face, point);
   });
   return out;
 }

@@ -25,14 +25,6 @@ int severity(Verdict verdict) {
   return 0;
 }
 
-// The limits a face's offset must keep to: the tighter of both.
-double offset_limit(const FaceTolerance& tolerance) {
-  double limit = 1e300;
-  if (tolerance.offset_mm) limit = std::min(limit, *tolerance.offset_mm);
-  if (tolerance.profile_mm) limit = std::min(limit, *tolerance.profile_mm / 2);
-  return limit;
-}
-
 }  // namespace
 
 std::string_view verdict_name(Verdict verdict) {
@@ -77,6 +69,13 @@ Verdict decide(double deviation_mm, double U_mm, double limit_mm, InspectOptions
 
 Verdict worse(Verdict a, Verdict b) {
   return severity(b) > severity(a) ? b : a;
+}
+
+double offset_limit(const FaceTolerance& tolerance) {
+  double limit = 1e300;
+  if (tolerance.offset_mm) limit = std::min(limit, *tolerance.offset_mm);
+  if (tolerance.profile_mm) limit = std::min(limit, *tolerance.profile_mm / 2);
+  return limit;
 }
 
 bool has_tolerance(const FaceTolerance& tolerance) {
@@ -154,7 +153,8 @@ Verdict judge_part(const Inspection& inspection, const Solid& model, const Toler
     any = true;
     verdict = worse(verdict, inspection.faces[k].verdict);
   }
-  if (any && !inspection.extra_material.empty()) verdict = Verdict::fail;
+  if (any && !(inspection.extra_material.empty() && inspection.material_faults.empty()))
+    verdict = Verdict::fail;
   return verdict;
 }
 

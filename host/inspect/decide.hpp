@@ -28,4 +28,7 @@ Verdict judge_part(const Inspection& inspection, const Solid& model, const Toler
 
 bool has_tolerance(const FaceTolerance& tolerance);
 
+// The limit that a face's offset must keep to, mm: the tighter of profile and offset; 1e300 without either.
+double offset_limit(const FaceTolerance& tolerance);
+
 }  // namespace tetragauge

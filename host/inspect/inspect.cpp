@@ -4,6 +4,7 @@
 
 #include "host/inspect/cast_scan.hpp"
 #include "host/inspect/decide.hpp"
+#include "host/inspect/find_material_faults.hpp"
 #include "host/inspect/inspect_faces.hpp"
 
 namespace tetragauge {
@@ -37,6 +38,7 @@ Result<InspectionRun> inspect(const Scan& scan, const Solid& model, const Tolera
   inspect_faces(scan, model, *measured, cast, tolerances, options, inspection);
   judge_distances(model, tolerances, inspection.faces, options.rule);
   find_extra_material(model, *measured, cast, tolerances, inspection);
+  find_material_faults(model, cast, face_outlines(model), tolerances, inspection);
   inspection.verdict = judge_part(inspection, model, tolerances);
   timer.end();
 

@@ -40,6 +40,15 @@ struct FaceInspection {
   std::string reason;  // in words, e.g. "not seen: 3 points", "rays prove it absent"
 };
 
+// A place in the middle of a model face that the rays prove empty, or filled where the model has air.
+struct MaterialFault {
+  bool missing = false;          // else in excess
+  int face = 0;                  // model id of the face there
+  Vec3 point_mm = Vec3::Zero();  // model frame: the middle of it on that face
+  size_t rays = 0;               // that prove it
+  double depth_mm = 0;           // their median distance from the face
+};
+
 struct Inspection {
   Verdict verdict = Verdict::none;
   std::string rule;  // of the decision: guarded, iso14253-1:2017, simple
@@ -48,6 +57,7 @@ struct Inspection {
   std::vector<int> missing_faces;     // model ids that rays prove absent
   std::vector<int> extra_faces;       // measured ids that no model face explains
   std::vector<int> extra_material;    // those of them that stand out of the model beyond tolerance: a fail
+  std::vector<MaterialFault> material_faults;  // by face: a fail
   std::vector<float> point_deviation_mm;  // per raw point to the nearest model surface, + = excess material
   std::vector<int> point_face;            // per raw point its model id, 0: none
   StageTimer timing;

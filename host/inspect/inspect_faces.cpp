@@ -111,7 +111,12 @@ void inspect_faces(const Scan& scan, const Solid& model, const MeasuredFaces& me
       measure_face(
           {face, outlines[k], cast, sight.on, area_mm2, form_tolerance(tolerance), scan.header.u_cal_mm},
           match, out);
-      if (!out.measured) {
+      if (face.type != SurfaceType::plane && !match.undetermined.empty()) {
+        // A plane's offset does not feel the part moving where nothing holds it; a curved face's does.
+        out.measured = false;
+        if (wanted) out.verdict = Verdict::not_measured;
+        out.reason = "the part's pose is undetermined, and with it where this face should be";
+      } else if (!out.measured) {
         out.reason = "its points lie on a line";
         if (wanted) out.verdict = Verdict::not_measured;
       } else if (out.coverage < tolerances.min_coverage) {
@@ -145,10 +150,7 @@ void find_extra_material(const Solid& model, const MeasuredFaces& measured, cons
         continue;
       }
       const FaceTolerance tolerance = tolerances.of(model.faces()[static_cast<size_t>(cast.face[i])]);
-      double limit = 1e300;
-      if (tolerance.offset_mm) limit = *tolerance.offset_mm;
-      if (tolerance.profile_mm) limit = std::min(limit, *tolerance.profile_mm / 2);
-      if (cast.deviation_mm[i] > limit + 3 * cast.sigma_mm[i]) ++outside;
+      if (cast.deviation_mm[i] > offset_limit(tolerance) + 3 * cast.sigma_mm[i]) ++outside;
     }
     if (2 * outside > points.size()) inspection.extra_material.push_back(id);
   }

@@ -221,6 +221,49 @@ TEST(Inspect, AnExtraBossFails) {
     EXPECT_EQ(face.verdict, Verdict::pass) << face.model_id;
 }
 
+// A block with a step, so that its pose is unique; mm.
+const std::string kBlock =
+    "difference() { cube(size = [80, 60, 30], center = false); multmatrix([[1, 0, 0, 60], [0, 1, 0, -1], [0, "
+    "0, 1, 20], "
+    "[0, 0, 0, 1]]) { cube(size = [30, 30, 20], center = false); } }\n";
+
+std::string at(double x, double y, double z, const std::string& shape) {
+  return "multmatrix([[1, 0, 0, " + std::to_string(x) + "], [0, 1, 0, " + std::to_string(y) +
+         "], [0, 0, 1, " + std::to_string(z) + "], [0, 0, 0, 1]]) { " + shape + " }\n";
+}
+
+TEST(Inspect, APocketAHoleOrADomeThatTheModelDoesNotHaveFails) {
+  const Solid model = solid(kBlock);
+  const int top = face_at(model, Vec3::UnitZ(), 30);
+  struct Case {
+    std::string csg;
+    bool missing;
+    double depth_mm;  // by the drawing; the hole's is seen from one wall to the other
+  };
+  const Case cases[] = {
+      {"difference() { " + kBlock + at(20, 20, 26, "cube(size = [12, 12, 20], center = false);") + "}", true,
+       4},
+      {"difference() { " + kBlock + at(26, 26, -1, "cylinder(h = 50, r1 = 4, r2 = 4);") + "}", true, 0},
+      {"union() { " + kBlock + at(26, 26, 27, "sphere(r = 6);") + "}", false, 0},
+  };
+  for (const Case& c : cases) {
+    const InspectionRun run = run_inspect(scan_of(solid(c.csg), {.points = 20000}), model, profile(0.4));
+    EXPECT_EQ(run.inspection.verdict, Verdict::fail) << c.csg;
+    const auto& faults = run.inspection.material_faults;
+    const auto found = std::find_if(faults.begin(), faults.end(), [&](const MaterialFault& fault) {
+      return fault.face == top && fault.missing == c.missing;
+    });
+    ASSERT_NE(found, faults.end()) << c.csg;
+    EXPECT_LT((found->point_mm - Vec3(26, 26, 30)).norm(), 3) << c.csg;
+    if (c.depth_mm > 0) {
+      EXPECT_NEAR(found->depth_mm, c.depth_mm, 0.05) << c.csg;
+    }
+  }
+  const InspectionRun good = run_inspect(scan_of(model, {.points = 20000}), model, profile(0.4));
+  EXPECT_EQ(good.inspection.verdict, Verdict::pass);
+  EXPECT_TRUE(good.inspection.material_faults.empty());
+}
+
 TEST(Inspect, AFaceNobodySawIsNeverAPass) {
   const Solid model = staircase();
   const int bottom = face_at(model, -Vec3::UnitZ(), 0), left = face_at(model, -Vec3::UnitX(), 0);

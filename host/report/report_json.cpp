@@ -105,6 +105,14 @@ ordered_json report_json(const InspectionRun& run, const Scan& scan, const Solid
     json["extra_faces"].push_back(extra_face_json(run.measured.faces()[static_cast<size_t>(id) - 1],
                                                   inspection.match.T_model_part, is_material));
   }
+  json["material_faults"] = ordered_json::array();
+  for (const MaterialFault& fault : inspection.material_faults) {
+    json["material_faults"].push_back({{"kind", fault.missing ? "missing" : "excess"},
+                                       {"face", fault.face},
+                                       {"point_mm", json_matrix(fault.point_mm)},
+                                       {"rays", fault.rays},
+                                       {"depth_mm", json_number(fault.depth_mm)}});
+  }
   json["misplaced"] = ordered_json::array();
   json["reconstruction"] = reconstruction_json(scan, run.reconstruction);
   json["points_on_faces"] = {{"used", run.measured.points_used}, {"rejected", run.measured.points_rejected}};

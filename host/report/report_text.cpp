@@ -75,6 +75,13 @@ std::string face_sentence(const FaceInspection& face, const Solid& model) {
          print(" is %.3f mm +- %.3f mm %s, limit %.3f mm", face.deviation_mm, face.U_mm, what, face.limit_mm);
 }
 
+std::string material_sentence(const MaterialFault& fault) {
+  return print("material %s on face %d near (%.1f, %.1f, %.1f) mm: %zu rays %s, %.3f mm off the face",
+               fault.missing ? "missing" : "in excess", fault.face, fault.point_mm.x() + 0.0,
+               fault.point_mm.y() + 0.0, fault.point_mm.z() + 0.0, fault.rays,
+               fault.missing ? "went through" : "stopped short", fault.depth_mm);
+}
+
 std::string verdict_line(const InspectionRun& run, const Solid& model) {
   const Inspection& inspection = run.inspection;
   size_t judged = 0, same = 0, skipped = 0;
@@ -91,6 +98,11 @@ std::string verdict_line(const InspectionRun& run, const Solid& model) {
              (skipped > 0 ? print(", %zu skipped", skipped) : "");
     case Verdict::fail:
       if (face) return "FAIL: " + face_sentence(*face, model) + others;
+      if (!inspection.material_faults.empty()) {
+        const size_t count = inspection.material_faults.size();
+        return "FAIL: " + material_sentence(inspection.material_faults.front()) +
+               (count > 1 ? print("; %zu such places in all", count) : "");
+      }
       return print("FAIL: material where the model has none: %zu face%s out of tolerance",
                    inspection.extra_material.size(), inspection.extra_material.size() == 1 ? "" : "s");
     case Verdict::undecided:
@@ -167,6 +179,8 @@ std::string report_text(const InspectionRun& run, const Scan& scan, const Solid&
   std::string remarks;
   for (const FaceInspection& face : run.inspection.faces)
     if (!face.reason.empty()) remarks += wrapped(print("face %d: ", face.model_id) + face.reason);
+  for (const MaterialFault& fault : run.inspection.material_faults)
+    remarks += wrapped(material_sentence(fault));
   for (const int id : run.inspection.extra_faces) {
     const Face& face = run.measured.faces()[static_cast<size_t>(id) - 1];
     const Vec3 at = run.inspection.match.T_model_part * face.point_mm;
