@@ -41,13 +41,25 @@ Mat3 bounded_directions(const PlaneSet& measured, const RigidTransform& T) {
 struct Fit {
   PlanePair pair;
   double offset_mm = 0;
-  double misfit = 0;  // in gates, squared
+  Vec3 normal = Vec3::Zero();  // measured, in the model frame, out of the material
+  double tilt_rad = 0;         // its own standard uncertainty
+  double misfit = 0;           // in gates, squared
 };
+
+double tilt_sigma(const MatchPlane& plane) {
+  return std::sqrt(std::max(plane.covariance.matrix(1, 1), plane.covariance.matrix(2, 2)));
+}
+
+bool is_fragment(const Fit& fit, const Fit& best, const FragmentLimits& limits) {
+  const double turn = fit.normal.cross(best.normal).norm();
+  return std::abs(fit.offset_mm - best.offset_mm) <= limits.offset_mm &&
+         turn <= std::max(limits.angle_rad, 4 * std::hypot(fit.tilt_rad, best.tilt_rad));
+}
 
 }  // namespace
 
 std::vector<PlanePair> pair_planes(const PlaneSet& model, const PlaneSet& measured, const RigidTransform& T,
-                                   const SearchGates& gates, double fragment_mm) {
+                                   const SearchGates& gates, const FragmentLimits& fragment) {
   std::vector<Fit> fits;
   const double least_cosine = std::cos(gates.angle_rad);
   const Mat3 bounded = bounded_directions(measured, T);
@@ -78,7 +90,11 @@ std::vector<PlanePair> pair_planes(const PlaneSet& model, const PlaneSet& measur
       const bool same_plane = face.group == best_group;
       const bool nearer = model.has_centroids && measured.has_centroids && distance < best_distance;
       if (same_plane ? nearer : misfit < best.misfit) {
-        best = {{i, j, flipped}, offset, misfit};
+        best = {{i, j, flipped},
+                offset,
+                flipped ? Vec3(-normal) : normal,
+                tilt_sigma(measured.planes[j]),
+                misfit};
         best_distance = distance;
         best_group = face.group;
       }
@@ -93,8 +109,7 @@ std::vector<PlanePair> pair_planes(const PlaneSet& model, const PlaneSet& measur
     const Fit& best = fits[k];
     const size_t first = pairs.size();
     for (; k < fits.size() && fits[k].pair.model == best.pair.model; ++k)
-      if (&fits[k] == &best || std::abs(fits[k].offset_mm - best.offset_mm) <= fragment_mm)
-        pairs.push_back(fits[k].pair);
+      if (&fits[k] == &best || is_fragment(fits[k], best, fragment)) pairs.push_back(fits[k].pair);
     std::sort(pairs.begin() + static_cast<std::ptrdiff_t>(first), pairs.end(),
               [](const PlanePair& a, const PlanePair& b) { return a.measured < b.measured; });
   }

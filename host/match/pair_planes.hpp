@@ -14,12 +14,19 @@ struct PlanePair {
   bool flipped = false;            // the measured normal points into the material (unsigned lists)
 };
 
+// Measured faces on one model face that agree within this are pieces of it (a patch of a fillet or a bore is
+// not).
+struct FragmentLimits {
+  double offset_mm = 0;
+  double angle_rad = 0;  // or four of their own standard uncertainties
+};
+
 // At most one pair per measured face, ascending by model, then measured. The plane decides; among patches of
 // one plane the nearest centroid. Several measured faces on one model face are kept as its fragments only if
-// they agree on where it is within `fragment_mm`; otherwise the best fitting one has it.
+// they agree on where it is within `fragment`; otherwise the best fitting one has it.
 std::vector<PlanePair> pair_planes(const PlaneSet& model, const PlaneSet& measured,
                                    const RigidTransform& T_model_part, const SearchGates& gates,
-                                   double fragment_mm);
+                                   const FragmentLimits& fragment);
 
 std::vector<PlaneObservation> observations(const PlaneSet& model, const PlaneSet& measured,
                                            const std::vector<PlanePair>& pairs);

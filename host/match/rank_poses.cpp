@@ -48,13 +48,15 @@ RankedPose refined(const PlaneSet& model, const PlaneSet& measured, const Search
                    const RigidTransform& start) {
   RankedPose out;
   out.pose.T_model_part = start;
-  double fragment_mm = gates.offset_mm;
+  FragmentLimits fragment{gates.offset_mm, gates.angle_rad};
   for (int pass = 0; pass < 2; ++pass) {
-    out.pairs = pair_planes(model, measured, out.pose.T_model_part, gates, fragment_mm);
+    out.pairs = pair_planes(model, measured, out.pose.T_model_part, gates, fragment);
     if (out.pairs.empty()) return out;
     out.pose = refine_pose(observations(model, measured, out.pairs), out.pose.T_model_part, model.pivot_mm,
                            model.size_mm);
-    fragment_mm = std::min(gates.offset_mm, std::max(4 * out.pose.scatter_mm, 0.05 * gates.offset_mm));
+    fragment.offset_mm = std::min(gates.offset_mm, std::max(4 * out.pose.scatter_mm, 0.05 * gates.offset_mm));
+    fragment.angle_rad =
+        std::min(gates.angle_rad, std::max(4 * out.pose.scatter_rad, 0.05 * gates.angle_rad));
   }
   if (drop_unsupported(model, measured, out))
     out.pose = refine_pose(observations(model, measured, out.pairs), out.pose.T_model_part, model.pivot_mm,
