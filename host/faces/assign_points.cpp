@@ -28,7 +28,7 @@ class Assigner {
         reconstruction_(reconstruction),
         graph_(graph),
         min_points_(min_points),
-        band_mm_(0.25 * reconstruction.point_spacing_mm),
+        band_mm_(0.15 * reconstruction.point_spacing_mm),
         sigma_mm_(floored_sigma_mm(scan)),
         planes_(std::move(regions.planes)),
         scale_(planes_.size(), 1.0),

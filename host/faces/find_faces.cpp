@@ -11,6 +11,7 @@
 #include "host/faces/face_boundaries.hpp"
 #include "host/faces/grow_regions.hpp"
 #include "host/faces/select_faces.hpp"
+#include "host/faces/split_creased.hpp"
 #include "host/faces/surface_graph.hpp"
 
 namespace tetragauge {
@@ -94,13 +95,17 @@ Result<MeasuredFaces> find_faces(const Scan& scan, const Reconstruction& reconst
   const SurfaceGraph graph = surface_graph(reconstruction);
   // Averaged vertices are fewer than points: a region of few vertices may still hold enough points.
   constexpr size_t kMinVertices = 6;
-  // While the set of faces still changes, a few turns do; the last fit goes to a fixed point.
+  // While the set of faces still changes, a few turns do, and few points: crumbs of a narrow face are united
+  // before they are counted. The last fit goes to a fixed point.
   constexpr int kRounds = 20, kFewTurns = 3, kAllTurns = 20;
+  constexpr size_t kFewPoints = 8;
   Regions regions = grow_regions(reconstruction, graph, kMinVertices);
+  regions =
+      split_creased(scan, reconstruction,
+                    assign_points(scan, reconstruction, graph, std::move(regions), kFewPoints, kFewTurns));
   size_t false_chamfers = 0;
   for (int round = 0; round < kRounds; ++round) {
-    const FittedFaces rough =
-        assign_points(scan, reconstruction, graph, regions, options.min_points, kFewTurns);
+    const FittedFaces rough = assign_points(scan, reconstruction, graph, regions, kFewPoints, kFewTurns);
     Selection selection = select_faces(scan, reconstruction, graph, rough);
     false_chamfers += selection.false_chamfers;
     regions = std::move(selection.regions);

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "host/reconstruct/synthetic_scan.hpp"
@@ -162,6 +164,53 @@ TEST(FindFaces, SphereHasNoPlaneFaces) {
     const Scan scan = synthetic::scan_part(
         [](const Vec3& o, const Vec3& d) { return synthetic::hit_sphere(o, d, Vec3::Zero(), 20); }, plan);
     EXPECT_EQ(faces_of(scan).faces().size(), 0u) << "pitch " << pitch;
+  }
+}
+
+struct PrismCase {
+  const char* name;
+  std::vector<Eigen::Vector2d> polygon;  // (x, z), mm
+  double length_mm, sigma_mm;
+};
+
+// Each side of the polygon and both ends, once each, and nothing else.
+TEST(FindFaces, EverySideOfAPrismOnce) {
+  const std::vector<PrismCase> cases = {
+      {"channel", {{0, 0}, {60, 0}, {60, 40}, {40, 40}, {40, 20}, {20, 20}, {20, 40}, {0, 40}}, 50, 0.1},
+      {"chamfers of 1 mm, two spacings wide", {{0, 0}, {50, 0}, {50, 29}, {49, 30}, {0, 30}}, 40, 0.03},
+      {"wall of 2 mm", {{0, 0}, {60, 0}, {60, 5}, {2, 5}, {2, 40}, {0, 40}}, 40, 0.1},
+      {"draft of 1 degree", {{0, 0}, {60, 0}, {60, 20}, {30, 20}, {0, 20.5237}}, 40, 0.03},
+      {"draft of 1 degree under noise", {{0, 0}, {60, 0}, {60, 20}, {30, 20}, {0, 20.5237}}, 40, 0.1},
+      {"groove", {{0, 0}, {60, 0}, {60, 30}, {40, 30}, {30, 20}, {20, 30}, {0, 30}}, 40, 0.1}};
+  for (const PrismCase& c : cases) {
+    SCOPED_TRACE(c.name);
+    ScanPlan plan;
+    plan.centre = Vec3(30, c.length_mm / 2, 18);
+    plan.half_width_mm = 50;
+    plan.pitch_mm = 1.3;
+    plan.sigma_mm = c.sigma_mm;
+    const RigidTransform T{rotation_from_degrees(13, 29, 71), Vec3(1, 2, 3)};
+    const MeasuredFaces measured =
+        faces_of(synthetic::scan_part(synthetic::Prism{c.polygon, c.length_mm}, plan, T));
+    EXPECT_EQ(measured.faces().size(), c.polygon.size() + 2);
+
+    const auto count = [&](const Vec3& normal, const Vec3& middle) {
+      return std::count_if(measured.faces().begin(), measured.faces().end(), [&](const Face& f) {
+        // A face of n points some 1 mm wide has a tilt of a few sigma / sqrt(n) per mm.
+        const double n = static_cast<double>(f.points), tilt = 0.005 + 5 * c.sigma_mm / std::sqrt(n);
+        const Vec3 point = T * middle;
+        return f.normal.cross(T.R * normal).norm() < tilt && f.normal.dot(T.R * normal) > 0 &&
+               std::abs(f.normal.dot(point) - f.d_mm) < 0.02 + 5 * c.sigma_mm / std::sqrt(n) &&
+               (f.point_mm - point).norm() < 25;
+      });
+    };
+    EXPECT_EQ(count(-Vec3::UnitY(), Vec3(30, 0, 15)) + count(Vec3::UnitY(), Vec3(30, c.length_mm, 15)), 2);
+    for (size_t i = 0; i < c.polygon.size(); ++i) {
+      const Eigen::Vector2d a = c.polygon[i], b = c.polygon[(i + 1) % c.polygon.size()];
+      const Vec3 normal = Vec3(b.y() - a.y(), 0, a.x() - b.x()).normalized();
+      EXPECT_EQ(count(normal, Vec3((a.x() + b.x()) / 2, c.length_mm / 2, (a.y() + b.y()) / 2)), 1)
+          << "side " << i;
+    }
   }
 }
 

@@ -9,15 +9,13 @@
 #include <set>
 
 #include "host/faces/compare_planes.hpp"
+#include "host/faces/split_creased.hpp"
 #include "host/reconstruct/average_points.hpp"
 
 namespace tetragauge {
 namespace {
 
 constexpr double kGate = 3;  // sigma
-// Surface that turns by less than half a degree is one plane with a form error; a wall with one degree of
-// draft must still be told from its neighbour.
-constexpr double kFlatTurn = 0.0087;  // rad
 
 class Selector {
  public:
@@ -241,18 +239,30 @@ Selection select_faces(const Scan& scan, const Reconstruction& reconstruction, c
 
 FittedFaces split_unconnected(const Scan& scan, const Reconstruction& reconstruction,
                               const SurfaceGraph& graph, FittedFaces fitted, size_t min_points) {
-  std::vector<int32_t> piece(graph.size(), kNoRegion), face_of_piece;
+  // Connected is what vertices on the plane connect, whichever face they were given to: those at an edge lie
+  // on both, and a narrow face has hardly others.
+  const auto on_plane = [&](uint32_t v, const PlaneFit& plane) {
+    const double sigma =
+        sigma_across(reconstruction.vertex_sigma_mm[v], reconstruction.vertex_ray[v], plane.normal);
+    return plane.normal.dot(reconstruction.vertex_ray[v]) < 0 &&
+           std::abs(plane.normal.dot(reconstruction.vertices[v]) - plane.d_mm) <=
+               kGate * noise_scale(plane) * sigma;
+  };
+  std::vector<int32_t> piece(graph.size(), kNoRegion), visited(graph.size(), kNoRegion), face_of_piece;
   for (uint32_t seed = 0; seed < graph.size(); ++seed) {
     const int32_t face = fitted.vertex_face[seed];
     if (face == kNoRegion || piece[seed] != kNoRegion) continue;
     const auto id = static_cast<int32_t>(face_of_piece.size());
     face_of_piece.push_back(face);
     std::vector<uint32_t> queue{seed};
-    piece[seed] = id;
+    piece[seed] = visited[seed] = id;
     for (size_t at = 0; at < queue.size(); ++at) {
       for (uint32_t n : graph.around(queue[at])) {
-        if (piece[n] != kNoRegion || fitted.vertex_face[n] != face) continue;
-        piece[n] = id;
+        if (visited[n] == id) continue;
+        const bool own = fitted.vertex_face[n] == face;
+        if (!own && !on_plane(n, fitted.fits[static_cast<size_t>(face)])) continue;
+        visited[n] = id;
+        if (own) piece[n] = id;
         queue.push_back(n);
       }
     }
