@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 
 #include "host/faces/compare_planes.hpp"
 #include "host/reconstruct/average_points.hpp"
@@ -74,20 +75,36 @@ class Assigner {
     }
   }
 
-  // Faces within two edges of each vertex: those next to it, and those next to its neighbours.
+  // Faces within two edges of each vertex: those next to it, and those next to its neighbours. Nearly all
+  // vertices lie deep in one face; only the others get a list.
   void find_candidates() {
-    std::vector<std::vector<int32_t>> next_to(graph_.size());
-    for (uint32_t v = 0; v < graph_.size(); ++v) {
-      add_face(next_to[v], vertex_face_[v]);
-      for (uint32_t n : graph_.around(v)) add_face(next_to[v], vertex_face_[n]);
-    }
-    candidates_ = next_to;
+    std::vector<uint8_t> mixed(graph_.size(), 0);
     for (uint32_t v = 0; v < graph_.size(); ++v) {
       for (uint32_t n : graph_.around(v)) {
-        for (int32_t face : next_to[n]) add_face(candidates_[v], face);
+        if (vertex_face_[n] != vertex_face_[v]) mixed[v] = 1;
       }
-      std::sort(candidates_[v].begin(), candidates_[v].end());
     }
+    candidates_.clear();
+    candidate_list_.assign(graph_.size(), kOwnFaceOnly);
+    for (uint32_t v = 0; v < graph_.size(); ++v) {
+      const auto around = graph_.around(v);
+      if (!mixed[v] && std::none_of(around.begin(), around.end(), [&](uint32_t n) { return mixed[n] != 0; }))
+        continue;
+      candidate_list_[v] = static_cast<uint32_t>(candidates_.size());
+      std::vector<int32_t>& near = candidates_.emplace_back();
+      add_face(near, vertex_face_[v]);
+      for (uint32_t n : around) {
+        add_face(near, vertex_face_[n]);
+        for (uint32_t m : graph_.around(n)) add_face(near, vertex_face_[m]);
+      }
+      std::sort(near.begin(), near.end());
+    }
+  }
+
+  std::span<const int32_t> candidates(uint32_t v) const {
+    if (candidate_list_[v] != kOwnFaceOnly) return candidates_[candidate_list_[v]];
+    if (vertex_face_[v] == kNoRegion) return {};
+    return {&vertex_face_[v], 1};
   }
 
   static void add_face(std::vector<int32_t>& faces, int32_t face) {
@@ -101,7 +118,7 @@ class Assigner {
     for (uint32_t v = 0; v < graph_.size(); ++v) {
       const int32_t f = vertex_face_[v];
       if (f == kNoRegion) continue;
-      for (int32_t g : candidates_[v]) {
+      for (int32_t g : candidates(v)) {
         if (g == f) continue;
         const Plane& other = planes_[static_cast<size_t>(g)];
         const double distance = other.distance(reconstruction_.vertices[v]);
@@ -153,7 +170,7 @@ class Assigner {
   int32_t face_of(uint32_t i) const {
     int32_t best = kNoRegion;
     double best_z = kGate;
-    const std::vector<int32_t>& near = candidates_[reconstruction_.point_vertex[i]];
+    const std::span<const int32_t> near = candidates(reconstruction_.point_vertex[i]);
     for (int32_t f : near) {
       const double z = deviation(i, f);
       if (!(z <= best_z)) continue;
@@ -182,18 +199,9 @@ class Assigner {
       if (point_face_[i] != kNoRegion) members[static_cast<size_t>(point_face_[i])].push_back(i);
     }
     fits_.assign(planes_.size(), {});
-    std::vector<Vec3> points;
-    std::vector<double> weights;
     for (size_t f = 0; f < planes_.size(); ++f) {
       if (members[f].size() < min_points_) continue;
-      points.clear();
-      weights.clear();
-      for (uint32_t i : members[f]) {
-        const double s = sigma_across(sigma_mm_[i], scan_.ray_direction(i), planes_[f].normal);
-        points.push_back(scan_.points[i]);
-        weights.push_back(1 / (s * s));
-      }
-      const auto fitted = fit_plane(points, weights, planes_[f].normal);
+      const auto fitted = fit_members(scan_, sigma_mm_, members[f], planes_[f].normal);
       if (!fitted) continue;
       fits_[f] = *fitted;
       planes_[f] = {fitted->normal, fitted->d_mm};
@@ -268,11 +276,27 @@ class Assigner {
   std::vector<PlaneFit> fits_;
   std::vector<double> scale_;  // of each face's gate: noise_scale()
   std::vector<int32_t> vertex_face_, point_face_;
+  static constexpr uint32_t kOwnFaceOnly = UINT32_MAX;
+  std::vector<uint32_t> candidate_list_;  // per vertex, into candidates_
   std::vector<std::vector<int32_t>> candidates_;
   std::map<std::pair<int32_t, int32_t>, Edge> edges_;
 };
 
 }  // namespace
+
+std::optional<PlaneFit> fit_members(const Scan& scan, const std::vector<double>& sigma_mm,
+                                    const std::vector<uint32_t>& members, const Vec3& normal) {
+  std::vector<Vec3> points;
+  std::vector<double> weights;
+  points.reserve(members.size());
+  weights.reserve(members.size());
+  for (uint32_t i : members) {
+    const double s = sigma_across(sigma_mm[i], scan.ray_direction(i), normal);
+    points.push_back(scan.points[i]);
+    weights.push_back(1 / (s * s));
+  }
+  return fit_plane(points, weights, normal);
+}
 
 FittedFaces assign_points(const Scan& scan, const Reconstruction& reconstruction, const SurfaceGraph& graph,
                           Regions regions, size_t min_points, int rounds) {

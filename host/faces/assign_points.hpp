@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "host/faces/grow_regions.hpp"
@@ -25,5 +26,9 @@ struct FittedFaces {
 // At most `rounds` turns. Faces that lose all but fewer than `min_points` points are dropped.
 FittedFaces assign_points(const Scan& scan, const Reconstruction& reconstruction, const SurfaceGraph& graph,
                           Regions regions, size_t min_points, int rounds);
+
+// The plane through these raw points, weighted by 1 / sigma^2 across a plane of about this (outward) normal.
+std::optional<PlaneFit> fit_members(const Scan& scan, const std::vector<double>& sigma_mm,
+                                    const std::vector<uint32_t>& members, const Vec3& normal);
 
 }  // namespace tetragauge

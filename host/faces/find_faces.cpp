@@ -13,6 +13,7 @@
 #include "host/faces/select_faces.hpp"
 #include "host/faces/split_creased.hpp"
 #include "host/faces/surface_graph.hpp"
+#include "host/faces/unite_patches.hpp"
 
 namespace tetragauge {
 namespace {
@@ -114,6 +115,8 @@ Result<MeasuredFaces> find_faces(const Scan& scan, const Reconstruction& reconst
   FittedFaces fitted =
       assign_points(scan, reconstruction, graph, std::move(regions), options.min_points, kAllTurns);
   fitted = split_unconnected(scan, reconstruction, graph, std::move(fitted), options.min_points);
+
+  fitted = unite_patches(scan, reconstruction, std::move(fitted));
 
   FaceExtents extents = face_extents(reconstruction, graph, fitted);
   false_chamfers += extents.strips;

@@ -281,14 +281,7 @@ FittedFaces split_unconnected(const Scan& scan, const Reconstruction& reconstruc
   for (size_t p = 0; p < members.size(); ++p) {
     if (members[p].size() < min_points) continue;
     const Vec3 normal = fitted.fits[static_cast<size_t>(face_of_piece[p])].normal;
-    std::vector<Vec3> points;
-    std::vector<double> weights;
-    for (uint32_t i : members[p]) {
-      const double s = sigma_across(sigma_mm[i], scan.ray_direction(i), normal);
-      points.push_back(scan.points[i]);
-      weights.push_back(1 / (s * s));
-    }
-    const auto plane = fit_plane(points, weights, normal);
+    const auto plane = fit_members(scan, sigma_mm, members[p], normal);
     if (!plane) continue;
     new_index[p] = static_cast<int32_t>(result.fits.size());
     for (uint32_t i : members[p]) result.point_face[i] = new_index[p];

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/faces/unite_patches.hpp"
+
+#include <cmath>
+#include <numeric>
+
+#include "host/faces/compare_planes.hpp"
+#include "host/reconstruct/average_points.hpp"
+
+namespace tetragauge {
+namespace {
+
+class PatchUniter {
+ public:
+  PatchUniter(const Scan& scan, const Reconstruction& reconstruction, const FittedFaces& fitted)
+      : scan_(scan),
+        reconstruction_(reconstruction),
+        fitted_(fitted),
+        sigma_mm_(floored_sigma_mm(scan)),
+        vertices_(fitted.fits.size()) {
+    for (uint32_t v = 0; v < fitted.vertex_face.size(); ++v) {
+      if (fitted.vertex_face[v] != kNoRegion)
+        vertices_[static_cast<size_t>(fitted.vertex_face[v])].push_back(v);
+    }
+  }
+
+  bool are_one_face(size_t f, size_t g) const {
+    const PlaneFit &a = fitted_.fits[f], &b = fitted_.fits[g];
+    if (vertices_[f].empty() || vertices_[g].empty() || a.normal.dot(b.normal) <= 0 ||
+        plane_chi2(a, b) >= kSamePlaneChi2)
+      return false;
+    // Two vertices that are nearest to one another, the first from the middle of g.
+    Vec3 q = b.centroid_mm, p = q;
+    for (int turn = 0; turn < 4; ++turn) {
+      p = nearest(f, q);
+      q = nearest(g, p);
+    }
+    return !proven_apart(a, p, q);
+  }
+
+ private:
+  Vec3 nearest(size_t f, const Vec3& to) const {
+    Vec3 best = reconstruction_.vertices[vertices_[f].front()];
+    for (uint32_t v : vertices_[f]) {
+      if ((reconstruction_.vertices[v] - to).squaredNorm() < (best - to).squaredNorm())
+        best = reconstruction_.vertices[v];
+    }
+    return best;
+  }
+
+  // Looks along a corridor from p to q, 3 spacings wide.
+  bool proven_apart(const PlaneFit& plane, const Vec3& p, const Vec3& q) const {
+    const double s = reconstruction_.vertex_spacing_mm, length = (q - p).norm();
+    if (!(length > s)) return false;
+    const Vec3 along = (q - p) / length, beside = plane.normal.cross(along);
+    const auto in_corridor = [&](const Vec3& x) {
+      const double t = along.dot(x - p);
+      return t > 0.5 * s && t < length - 0.5 * s && std::abs(beside.dot(x - p)) < 1.5 * s;
+    };
+    for (uint32_t i = 0; i < scan_.size(); ++i) {
+      const Vec3 ray = scan_.ray_direction(i);
+      const double height = plane.normal.dot(scan_.points[i]) - plane.d_mm, cosine = plane.normal.dot(ray);
+      const double noise = 3 * sigma_across(sigma_mm_[i], ray, plane.normal);
+      if (height < -std::max(noise, 0.5 * s)) {
+        const bool came_through = cosine < 0 && plane.normal.dot(scan_.ray_origins[i]) > plane.d_mm;
+        if (came_through && in_corridor(scan_.points[i] - ray * (height / cosine))) return true;
+      } else if (height > noise && height < 2 * s && in_corridor(scan_.points[i])) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  const Scan& scan_;
+  const Reconstruction& reconstruction_;
+  const FittedFaces& fitted_;
+  std::vector<double> sigma_mm_;
+  std::vector<std::vector<uint32_t>> vertices_;
+};
+
+}  // namespace
+
+FittedFaces unite_patches(const Scan& scan, const Reconstruction& reconstruction, FittedFaces fitted) {
+  const size_t faces = fitted.fits.size();
+  std::vector<int32_t> becomes(faces);
+  std::iota(becomes.begin(), becomes.end(), 0);
+  {
+    const PatchUniter uniter(scan, reconstruction, fitted);
+    for (size_t g = 1; g < faces; ++g) {
+      for (size_t f = 0; f < g; ++f) {
+        if (becomes[f] != static_cast<int32_t>(f) || !uniter.are_one_face(f, g)) continue;
+        becomes[g] = static_cast<int32_t>(f);
+        break;
+      }
+    }
+  }
+  FittedFaces result;
+  std::vector<int32_t> new_index(faces, kNoRegion);
+  std::vector<size_t> old_index;
+  for (size_t f = 0; f < faces; ++f) {
+    if (becomes[f] == static_cast<int32_t>(f)) {
+      new_index[f] = static_cast<int32_t>(old_index.size());
+      old_index.push_back(f);
+    } else {
+      new_index[f] = new_index[static_cast<size_t>(becomes[f])];
+    }
+  }
+  const auto renumber = [&](std::vector<int32_t>& labels) {
+    for (int32_t& f : labels) {
+      if (f != kNoRegion) f = new_index[static_cast<size_t>(f)];
+    }
+  };
+  renumber(fitted.point_face);
+  renumber(fitted.vertex_face);
+  std::vector<std::vector<uint32_t>> members(old_index.size());
+  for (uint32_t i = 0; i < scan.size(); ++i) {
+    if (fitted.point_face[i] != kNoRegion) members[static_cast<size_t>(fitted.point_face[i])].push_back(i);
+  }
+  const std::vector<double> sigma_mm = floored_sigma_mm(scan);
+  for (size_t k = 0; k < old_index.size(); ++k) {
+    const PlaneFit& first = fitted.fits[old_index[k]];
+    const auto together = members[k].size() == first.points
+                              ? std::optional<PlaneFit>(first)
+                              : fit_members(scan, sigma_mm, members[k], first.normal);
+    result.fits.push_back(together.value_or(first));
+  }
+  result.point_face = std::move(fitted.point_face);
+  result.vertex_face = std::move(fitted.vertex_face);
+  return result;
+}
+
+}  // namespace tetragauge

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "host/faces/assign_points.hpp"
+
+namespace tetragauge {
+
+// Patches of one plane with nothing measured between them (a face half in shadow) are one face, unless
+// something proves them apart: a ray that passes between them to a point behind the plane, or points that
+// rise from the plane there.
+FittedFaces unite_patches(const Scan& scan, const Reconstruction& reconstruction, FittedFaces fitted);
+
+}  // namespace tetragauge
