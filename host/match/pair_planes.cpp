@@ -43,7 +43,7 @@ struct Fit {
   double offset_mm = 0;
   Vec3 normal = Vec3::Zero();  // measured, in the model frame, out of the material
   double tilt_rad = 0;         // its own standard uncertainty
-  double misfit = 0;           // in gates, squared
+  double misfit = 0;           // in gates, squared; 2 at most
 };
 
 double tilt_sigma(const MatchPlane& plane) {
@@ -101,8 +101,12 @@ std::vector<PlanePair> pair_planes(const PlaneSet& model, const PlaneSet& measur
     }
     if (best_group >= 0) fits.push_back(best);
   }
-  std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) {
-    return std::tie(a.pair.model, a.misfit) < std::tie(b.pair.model, b.misfit);
+  // Of several on one model face the larger is the face, unless it fits much worse.
+  const auto claim = [&](const Fit& fit) {
+    return measured.planes[fit.pair.measured].area_mm2 * (1 - 0.5 * fit.misfit);
+  };
+  std::stable_sort(fits.begin(), fits.end(), [&](const Fit& a, const Fit& b) {
+    return a.pair.model != b.pair.model ? a.pair.model < b.pair.model : claim(a) > claim(b);
   });
   std::vector<PlanePair> pairs;
   for (size_t k = 0; k < fits.size();) {

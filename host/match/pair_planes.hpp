@@ -23,7 +23,7 @@ struct FragmentLimits {
 
 // At most one pair per measured face, ascending by model, then measured. The plane decides; among patches of
 // one plane the nearest centroid. Several measured faces on one model face are kept as its fragments only if
-// they agree on where it is within `fragment`; otherwise the best fitting one has it.
+// they agree on where it is within `fragment`; otherwise the larger one has it, unless it fits much worse.
 std::vector<PlanePair> pair_planes(const PlaneSet& model, const PlaneSet& measured,
                                    const RigidTransform& T_model_part, const SearchGates& gates,
                                    const FragmentLimits& fragment);
@@ -31,8 +31,9 @@ std::vector<PlanePair> pair_planes(const PlaneSet& model, const PlaneSet& measur
 std::vector<PlaneObservation> observations(const PlaneSet& model, const PlaneSet& measured,
                                            const std::vector<PlanePair>& pairs);
 
-// The most a single face can say against a pose: four standard deviations, squared.
-inline constexpr double kFaceCost = 16;
+// The most a single face can say against a pose: five standard deviations, squared. Well above what a good
+// face costs by chance (3 on average, 16 once in a thousand), so that one face can decide.
+inline constexpr double kFaceCost = 25;
 
 // Sum over the measured faces of min(r' C^-1 r, kFaceCost), r the offset and tilts on the paired model face
 // and C their covariance with the given scatter; kFaceCost where there is none, or where the faces of one

@@ -48,7 +48,7 @@ RankedPose refined(const PlaneSet& model, const PlaneSet& measured, const Search
                    const RigidTransform& start) {
   RankedPose out;
   out.pose.T_model_part = start;
-  FragmentLimits fragment{gates.offset_mm, gates.angle_rad};
+  FragmentLimits fragment;  // none at first: how far pieces may differ is known from the faces' scatter
   for (int pass = 0; pass < 2; ++pass) {
     out.pairs = pair_planes(model, measured, out.pose.T_model_part, gates, fragment);
     if (out.pairs.empty()) return out;
