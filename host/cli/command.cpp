@@ -7,6 +7,8 @@
 
 namespace tetragauge::cli {
 
+const char* const kVersion = "tetragauge " TETRAGAUGE_VERSION;
+
 void Console::say(const std::string& line) const {
   if (!quiet) std::fprintf(stderr, "%s\n", line.c_str());
 }
@@ -25,15 +27,14 @@ Status Console::put_json(const nlohmann::ordered_json& value) const {
   return Done{};
 }
 
-CLI::App* add_command(CLI::App& app, Console& console, const std::string& name, const std::string& what,
-                      bool has_json) {
+CLI::App* add_command(CLI::App& app, Console& console, const std::string& name, const std::string& what) {
   CLI::App* command = app.add_subcommand(name, what);
   command->add_flag("--quiet,-q", console.quiet, "No progress on stderr");
   command->add_option("--threads", console.threads, "Threads to use (0: all); results do not depend on it")
       ->check(CLI::Range(0, 1024));
-  if (has_json)
-    command->add_option("--json", console.json, "Write the result as JSON to FILE, or - for stdout")
-        ->type_name("FILE");
+  command->add_option("--json", console.json, "Write the result as JSON to FILE, or - for stdout")
+      ->type_name("FILE");
+  command->set_version_flag("--version", kVersion);
   return command;
 }
 

@@ -28,9 +28,10 @@ struct Console {
 // Runs a command; the result is the exit code.
 using Run = std::function<Result<int>()>;
 
-// Adds a subcommand with --quiet, --threads and, where `has_json`, --json.
-CLI::App* add_command(CLI::App& app, Console& console, const std::string& name, const std::string& what,
-                      bool has_json);
+// Adds a subcommand with --quiet, --threads, --json and --version.
+CLI::App* add_command(CLI::App& app, Console& console, const std::string& name, const std::string& what);
+
+extern const char* const kVersion;
 
 void add_measure(CLI::App& app, Console& console, Run& run);
 void add_scan(CLI::App& app, Console& console, Run& run);

@@ -12,7 +12,7 @@ void add_faces(CLI::App& app, Console& console, Run& run) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      add_command(app, console, "faces", "The real faces of the part, each fitted to all its points", true);
+      add_command(app, console, "faces", "The real faces of the part, each fitted to all its points");
   options->input.add_scan(*command);
   options->input.add_unit(*command);
   command->callback([options, &console, &run] {

@@ -9,7 +9,7 @@ void add_inspect(CLI::App& app, Console& console, Run& run) {
     InspectArguments inspect;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = add_command(app, console, "inspect", "Scan and model in, verdict out", true);
+  CLI::App* command = add_command(app, console, "inspect", "Scan and model in, verdict out");
   options->input.add_scan(*command);
   options->input.add_model(*command);
   options->input.add_unit(*command);

@@ -8,10 +8,13 @@
 #include <cstdio>
 
 #include "host/geometry/rigid_transform.hpp"
-#include "host/session/run_scan.hpp"
 
 namespace tetragauge::cli {
 namespace {
+
+// By RejectReason (protocol/machine.proto).
+constexpr const char* kReasons[] = {"", "weak", "saturated", "ambient", "inconsistent", "outside the volume",
+                                    "", ""};
 
 std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "set from a signal handler");
@@ -38,8 +41,6 @@ class StopOnSignal {
 };
 
 std::string counts_text(const ScanCounts& counts) {
-  static constexpr const char* kReasons[] = {
-      "", "weak", "saturated", "ambient", "inconsistent", "outside the volume", "", ""};
   std::string text = std::to_string(counts.beams) + " beams: " + std::to_string(counts.points) + " points, " +
                      std::to_string(counts.table_points) + " on the table dropped";
   for (size_t reason = 0; reason < counts.rejected.size(); ++reason) {
@@ -96,7 +97,7 @@ Status MachineArguments::check() const {
   return Done{};
 }
 
-Result<Scan> MachineArguments::scan(const Console& console) const {
+Result<MeasuredScan> MachineArguments::scan(const Console& console) const {
   StopOnSignal stop_on_signal;
   std::optional<ScanPlan> given;
   if (!plan.empty()) {
@@ -148,7 +149,21 @@ Result<Scan> MachineArguments::scan(const Console& console) const {
   end_line();
   if (!measured) return measured.error();
   console.say(counts_text(measured->counts));
-  return std::move(measured->scan);
+  return measured;
+}
+
+nlohmann::ordered_json counts_json(const ScanCounts& counts) {
+  nlohmann::ordered_json rejected = nlohmann::ordered_json::object();
+  for (size_t reason = 1; reason < counts.rejected.size(); ++reason)
+    if (*kReasons[reason] != '\0') rejected[kReasons[reason]] = counts.rejected[reason];
+  return {{"schema", "tetragauge/scan/1"},
+          {"beams", counts.beams},
+          {"points", counts.points},
+          {"table_points_dropped", counts.table_points},
+          {"rejected", rejected},
+          {"unsettled", counts.unsettled},
+          {"one_camera", counts.one_camera},
+          {"machine_time_s", counts.machine_time_s}};
 }
 
 }  // namespace tetragauge::cli

@@ -5,9 +5,9 @@
 #include <string>
 
 #include "host/cli/command.hpp"
-#include "host/scan/scan.hpp"
 #include "host/session/default_plan.hpp"
 #include "host/session/emulated_machine.hpp"
+#include "host/session/run_scan.hpp"
 
 namespace tetragauge::cli {
 
@@ -22,7 +22,9 @@ struct MachineArguments {
   // Usage errors that can be known before a machine is touched.
   Status check() const;
   // Opens the machine, scans, closes it. Ctrl-C aborts the machine, laser off, and there is no scan.
-  Result<Scan> scan(const Console& console) const;
+  Result<MeasuredScan> scan(const Console& console) const;
 };
+
+nlohmann::ordered_json counts_json(const ScanCounts& counts);
 
 }  // namespace tetragauge::cli

@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
   cli::Console console;
   cli::Run run;
   CLI::App app{"Tetragauge measures a part with a laser and says which of its faces are out of tolerance."};
-  app.set_version_flag("--version", std::string("tetragauge ") + TETRAGAUGE_VERSION);
+  app.set_version_flag("--version", cli::kVersion);
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 pass or done, 1 out of tolerance, 2 usage, 3 bad input file, 4 machine or link,\n"

@@ -54,7 +54,7 @@ void add_match(CLI::App& app, Console& console, Run& run) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      add_command(app, console, "match", "Measured faces against a model's, with no initial pose", true);
+      add_command(app, console, "match", "Measured faces against a model's, with no initial pose");
   command->add_option("--model", options->input.model, "Solid model (.step .stp .csg) or a list (.hsp .json)")
       ->required()
       ->type_name("MODEL");

@@ -12,7 +12,7 @@ void add_measure(CLI::App& app, Console& console, Run& run) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      add_command(app, console, "measure", "The main job: scan with a machine, inspect, report", true);
+      add_command(app, console, "measure", "The main job: scan with a machine, inspect, report");
   options->machine.add(*command);
   options->input.add_model(*command);
   options->input.add_unit(*command);
@@ -24,11 +24,12 @@ void add_measure(CLI::App& app, Console& console, Run& run) {
       if (!model) return model.error();
       Result<Tolerances> tolerances = options->inspect.prepare(*model);
       if (!tolerances) return tolerances.error();
-      Result<Scan> scan = options->machine.scan(console);
-      if (!scan) return scan.error();
+      Result<MeasuredScan> measured = options->machine.scan(console);
+      if (!measured) return measured.error();
       const std::string scan_path = (std::filesystem::path(options->inspect.out) / "scan.ply").string();
-      if (Status status = write_scan(scan_path, *scan); !status) return status.error();
-      return options->inspect.run(console, *scan, scan_path, *model, options->input.model, *tolerances);
+      if (Status status = write_scan(scan_path, measured->scan); !status) return status.error();
+      return options->inspect.run(console, measured->scan, scan_path, *model, options->input.model,
+                                  *tolerances);
     };
   });
 }

@@ -47,7 +47,7 @@ std::string model_summary(const Solid& solid) {
 void add_model(CLI::App& app, Console& console, Run& run) {
   auto options = std::make_shared<InputOptions>();
   CLI::App* command =
-      add_command(app, console, "model", "A solid model's faces: type, equation, area, neighbours", true);
+      add_command(app, console, "model", "A solid model's faces: type, equation, area, neighbours");
   command->add_option("model", options->model, "Solid model: .step .stp .csg")
       ->required()
       ->type_name("MODEL");

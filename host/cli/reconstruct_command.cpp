@@ -13,8 +13,8 @@ void add_reconstruct(CLI::App& app, Console& console, Run& run) {
     std::string out;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = add_command(app, console, "reconstruct",
-                                  "The surface between solid and air, from points with rays", true);
+  CLI::App* command =
+      add_command(app, console, "reconstruct", "The surface between solid and air, from points with rays");
   options->input.add_scan(*command);
   options->input.add_unit(*command);
   command->add_option("--out", options->out, "Mesh to write")->required()->type_name("MESH.ply");

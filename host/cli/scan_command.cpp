@@ -11,17 +11,18 @@ void add_scan(CLI::App& app, Console& console, Run& run) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      add_command(app, console, "scan", "A scan session with a machine: points with rays and sigma", false);
+      add_command(app, console, "scan", "A scan session with a machine: points with rays and sigma");
   options->machine.add(*command);
   command->add_option("--out", options->out, "Scan file to write")->required()->type_name("SCAN.ply");
   command->callback([options, &console, &run] {
     run = [options, &console]() -> Result<int> {
       if (Status status = options->machine.check(); !status) return status.error();
       if (Status status = check_can_write(options->out); !status) return status.error();
-      Result<Scan> scan = options->machine.scan(console);
-      if (!scan) return scan.error();
-      if (Status status = write_scan(options->out, *scan); !status) return status.error();
-      console.say(options->out + ": " + std::to_string(scan->size()) + " points");
+      Result<MeasuredScan> measured = options->machine.scan(console);
+      if (!measured) return measured.error();
+      if (Status status = write_scan(options->out, measured->scan); !status) return status.error();
+      if (Status status = console.put_json(counts_json(measured->counts)); !status) return status.error();
+      console.say(options->out + ": " + std::to_string(measured->scan.size()) + " points");
       return 0;
     };
   });

@@ -12,7 +12,7 @@ void add_simulate(CLI::App& app, Console& console, Run& run) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      add_command(app, console, "simulate", "Ray casting against a model: a scan without firmware", false);
+      add_command(app, console, "simulate", "Ray casting against a model: a scan without firmware");
   options->input.add_model(*command);
   options->input.add_unit(*command);
   command->add_option("--out", options->out, "Scan file to write")->required()->type_name("SCAN.ply");
@@ -43,6 +43,11 @@ void add_simulate(CLI::App& app, Console& console, Run& run) {
       Result<Scan> scan = simulate(*model, RayCaster(*model), options->simulate);
       if (!scan) return scan.error();
       if (Status status = write_scan(options->out, *scan); !status) return status.error();
+      const nlohmann::ordered_json result{{"schema", "tetragauge/simulate/1"},
+                                          {"points", scan->size()},
+                                          {"views", options->simulate.views},
+                                          {"seed", options->simulate.seed}};
+      if (Status status = console.put_json(result); !status) return status.error();
       console.say(options->out + ": " + std::to_string(scan->size()) + " points");
       return 0;
     };

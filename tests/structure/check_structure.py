@@ -24,7 +24,7 @@ EDGES = {
     'host/inspect': ['host/match'],
     'host/report': ['host/inspect'],
     'host/link': ['host/base', 'protocol', 'firmware/optics'],
-    'host/session': ['host/link', 'host/scan', 'host/solid'],
+    'host/session': ['host/link', 'host/scan'],
     'host/cli': ['host/session', 'host/report', 'host/simulate'],
     'protocol': [],
     'firmware': ['protocol'],
