@@ -240,6 +240,10 @@ struct FaultCase {
   void (*break_it)(FakeBoard&);
   tg_FaultCode code;
 };
+void PrintTo(const FaultCase& fault, std::ostream* out) {
+  *out << fault.name;
+}
+
 class ScanFault : public ControllerTest, public testing::WithParamInterface<FaultCase> {};
 
 TEST_P(ScanFault, LatchesWithTheLaserOff) {

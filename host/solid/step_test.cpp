@@ -28,6 +28,10 @@ struct Part {
   Vec3 extent_mm;  // of SOURCES.md (its vertices), in mm; nil where round faces reach beyond the vertices
 };
 
+void PrintTo(const Part& part, std::ostream* out) {
+  *out << part.file;
+}
+
 constexpr double kInch = 25.4;
 
 const std::vector<Part>& parts() {
