@@ -10,6 +10,8 @@
 #include <cctype>
 #include <sstream>
 
+#include "host/solid/check_step_numbers.hpp"
+
 namespace tetragauge {
 namespace {
 
@@ -40,6 +42,7 @@ Result<StepModel> read_step(const std::string& content, const std::string& file)
     return bad_input(file +
                      ": the STEP file ends early, 'END-ISO-10303-21' is missing; export or copy it again");
   }
+  if (Status status = check_step_numbers(content, file); !status) return status.error();
   silence_messages();
   STEPControl_Reader reader;
   Interface_Static::SetCVal("xstep.cascade.unit", "MM");
