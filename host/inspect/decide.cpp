@@ -153,7 +153,7 @@ Verdict judge_part(const Inspection& inspection, const Solid& model, const Toler
     any = true;
     verdict = worse(verdict, inspection.faces[k].verdict);
   }
-  if (any && !(inspection.extra_material.empty() && inspection.material_faults.empty()))
+  if (any && !(inspection.faces_out_of_model.empty() && inspection.material_faults.empty()))
     verdict = Verdict::fail;
   return verdict;
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
 
 #include "host/inspect/decide.hpp"
@@ -17,11 +18,14 @@ constexpr size_t kLeastRays = 8;
 constexpr double kLeastShare =
     0.6;  // mixed points along a silhouette are a minority of a window, a feature fills it
 constexpr double kWindowSpacings = 2;
+// Eight rays or more, most of them off, in a circle of two spacings around one of them, clear of the edge by
+// one.
+constexpr double kFeatureSpacings = 4;
 
 // One ray that meets the face of the model: where, and how it missed.
 struct Ray {
   Vec3 hit_mm;
-  double depth_mm = 0;  // to the face's surface, + = stopped short of it
+  double depth_mm = 0;  // from the surface it should have met; 0: none
   int missed = 0;       // -1 went through, +1 stopped short, 0 on the face
 };
 
@@ -56,6 +60,38 @@ class RayGrid {
   double side_mm_;
   std::map<Cell, std::vector<size_t>> cells_;
 };
+
+// Spacing of the rays where they are dense enough to count: from the eighth neighbour, as n rays in a circle
+// of radius r are sqrt(pi r^2 / n) apart. The median over at most 101 of them.
+double spacing_of(const std::vector<Ray>& rays) {
+  const size_t step = 1 + rays.size() / 101;
+  std::vector<double> spacing, distance;
+  for (size_t i = 0; i < rays.size(); i += step) {
+    distance.clear();
+    for (const Ray& other : rays) distance.push_back((other.hit_mm - rays[i].hit_mm).squaredNorm());
+    const size_t k = std::min<size_t>(8, rays.size() - 1);
+    std::nth_element(distance.begin(), distance.begin() + static_cast<std::ptrdiff_t>(k), distance.end());
+    spacing.push_back(std::sqrt(std::numbers::pi * distance[k] / static_cast<double>(k)));
+  }
+  std::nth_element(spacing.begin(), spacing.begin() + static_cast<std::ptrdiff_t>(spacing.size() / 2),
+                   spacing.end());
+  return spacing[spacing.size() / 2];
+}
+
+// Points of the measured faces that were matched to `face`, whose rays should have met something else or
+// nothing: the part's face goes on where the model's ends, over a hole that was not made for instance.
+std::vector<uint32_t> beyond_its_edge(const Solid& model, const MeasuredFaces& measured, const CastScan& cast,
+                                      const Match& match, const Face& face) {
+  std::vector<uint32_t> beyond;
+  for (const FacePair& pair : match.pairs) {
+    if (pair.model != face.id) continue;
+    for (const uint32_t i : measured.face_points[static_cast<size_t>(pair.measured) - 1]) {
+      const int met = cast.face[i];
+      if (met < 0 || model.faces()[static_cast<size_t>(met)].surface != face.surface) beyond.push_back(i);
+    }
+  }
+  return beyond;
+}
 
 // The rays of one kind that fill a window, in groups that hang together.
 void add_faults(const std::vector<Ray>& rays, const RayGrid& grid, int kind, int face_id,
@@ -93,7 +129,7 @@ void add_faults(const std::vector<Ray>& rays, const RayGrid& grid, int kind, int
     std::vector<double> depth;
     for (const size_t i : indices) {
       fault.point_mm += rays[i].hit_mm / static_cast<double>(indices.size());
-      depth.push_back(std::abs(rays[i].depth_mm));
+      depth.push_back(rays[i].depth_mm);
     }
     std::nth_element(depth.begin(), depth.begin() + static_cast<std::ptrdiff_t>(depth.size() / 2),
                      depth.end());
@@ -104,8 +140,9 @@ void add_faults(const std::vector<Ray>& rays, const RayGrid& grid, int kind, int
 
 }  // namespace
 
-void find_material_faults(const Solid& model, const CastScan& cast, const std::vector<FaceOutline>& outlines,
-                          const Tolerances& tolerances, Inspection& inspection) {
+void find_material_faults(const Solid& model, const MeasuredFaces& measured, const CastScan& cast,
+                          const std::vector<FaceOutline>& outlines, const Tolerances& tolerances,
+                          Inspection& inspection) {
   if (!inspection.match.undetermined.empty()) return;
   std::vector<std::vector<uint32_t>> rays_of_face(model.faces().size());
   for (uint32_t i = 0; i < cast.face.size(); ++i)
@@ -115,22 +152,31 @@ void find_material_faults(const Solid& model, const CastScan& cast, const std::v
     const Face& face = model.faces()[k];
     const FaceTolerance tolerance = tolerances.of(face);
     if (!has_tolerance(tolerance) || tolerances.skip.contains(face.id)) continue;
-    if (inspection.faces[k].verdict == Verdict::fail || rays_of_face[k].size() < kLeastRays) continue;
-    double limit_mm = tolerance.flatness_mm.value_or(1e300);
-    limit_mm = std::min(limit_mm, offset_limit(tolerance));
+    if (inspection.faces[k].verdict == Verdict::fail) continue;
+    const double limit_mm = std::min(tolerance.flatness_mm.value_or(1e300), offset_limit(tolerance));
 
-    const double seen_mm2 = face.area_mm2 * std::max(0.1, inspection.faces[k].coverage);
-    const double spacing_mm = std::sqrt(seen_mm2 / static_cast<double>(rays_of_face[k].size()));
-    // At an edge the pose's own error and the spot's size decide what a ray meets.
-    const double margin_mm = std::max(spacing_mm, 3 * cast.sigma_mm[rays_of_face[k].front()]);
-    const PointGrid edge(samples_along(outlines[k], 0.5 * margin_mm), margin_mm);
     std::vector<Ray> rays;
+    double sigma_mm = 0;
     for (const uint32_t i : rays_of_face[k]) {
-      if (edge.any_within(cast.hit_mm[i], margin_mm)) continue;
       const double off_mm = std::abs(cast.deviation_mm[i]) - (limit_mm + 3 * cast.sigma_mm[i]);
       const int missed = off_mm <= 0 ? 0 : cast.beyond_mm[i] > 0 ? -1 : 1;
-      rays.push_back({cast.hit_mm[i], cast.deviation_mm[i], missed});
+      rays.push_back({cast.hit_mm[i], std::abs(cast.deviation_mm[i]), missed});
+      sigma_mm = std::max(sigma_mm, cast.sigma_mm[i]);
     }
+    for (const uint32_t i : beyond_its_edge(model, measured, cast, inspection.match, face)) {
+      const double depth_mm = cast.face[i] < 0 ? 0 : std::abs(cast.beyond_mm[i]);
+      rays.push_back({cast.points_mm[i], depth_mm, 1});
+    }
+    if (rays.size() < kLeastRays) continue;
+    const double spacing_mm = spacing_of(rays);
+    if (!(spacing_mm > 0)) continue;
+    if (inspection.faces[k].measured)
+      inspection.smallest_feature_mm =
+          std::max(inspection.smallest_feature_mm, kFeatureSpacings * spacing_mm);
+    // At an edge the pose's own error and the spot's size decide what a ray meets.
+    const double margin_mm = std::max(spacing_mm, 3 * sigma_mm);
+    const PointGrid edge(samples_along(outlines[k], 0.5 * margin_mm), margin_mm);
+    std::erase_if(rays, [&](const Ray& ray) { return edge.any_within(ray.hit_mm, margin_mm); });
     const RayGrid grid(rays, kWindowSpacings * spacing_mm);
     add_faults(rays, grid, -1, face.id, inspection);
     add_faults(rays, grid, +1, face.id, inspection);

@@ -11,10 +11,12 @@ namespace tetragauge {
 
 // On faces with a tolerance that are not skipped and have not failed by themselves. A place is a fault when,
 // within two spacings of a ray, at least 8 rays and most of all there miss the face by more than its limit
-// and three sigma. So the smallest feature that is found is some three spacings wide. Nothing is judged where
-// the pose has a free direction: the model could be moved there. Reads `inspection.faces`, fills
-// `inspection.material_faults`.
-void find_material_faults(const Solid& model, const CastScan& cast, const std::vector<FaceOutline>& outlines,
-                          const Tolerances& tolerances, Inspection& inspection);
+// and three sigma. So a feature must be some four spacings wide, and that far from an edge or across it, to
+// be found for certain: `smallest_feature_mm`. Nothing is judged where the pose has a free direction: the
+// model could be moved there. Reads `inspection.faces`, fills `inspection.material_faults` and
+// `smallest_feature_mm`.
+void find_material_faults(const Solid& model, const MeasuredFaces& measured, const CastScan& cast,
+                          const std::vector<FaceOutline>& outlines, const Tolerances& tolerances,
+                          Inspection& inspection);
 
 }  // namespace tetragauge

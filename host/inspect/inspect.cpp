@@ -37,8 +37,8 @@ Result<InspectionRun> inspect(const Scan& scan, const Solid& model, const Tolera
   inspection.rule = rule_name(options.rule);
   inspect_faces(scan, model, *measured, cast, tolerances, options, inspection);
   judge_distances(model, tolerances, inspection.faces, options.rule);
-  find_extra_material(model, *measured, cast, tolerances, inspection);
-  find_material_faults(model, cast, face_outlines(model), tolerances, inspection);
+  judge_extra_faces(model, *measured, cast, tolerances, inspection);
+  find_material_faults(model, *measured, cast, face_outlines(model), tolerances, inspection);
   inspection.verdict = judge_part(inspection, model, tolerances);
   timer.end();
 

@@ -46,7 +46,7 @@ struct MaterialFault {
   int face = 0;                  // model id of the face there
   Vec3 point_mm = Vec3::Zero();  // model frame: the middle of it on that face
   size_t rays = 0;               // that prove it
-  double depth_mm = 0;           // their median distance from the face
+  double depth_mm = 0;           // their median distance from the surface they should have met; 0: none
 };
 
 struct Inspection {
@@ -56,8 +56,11 @@ struct Inspection {
   std::vector<FaceInspection> faces;  // by model id, ascending
   std::vector<int> missing_faces;     // model ids that rays prove absent
   std::vector<int> extra_faces;       // measured ids that no model face explains
-  std::vector<int> extra_material;    // those of them that stand out of the model beyond tolerance: a fail
+  std::vector<int>
+      faces_out_of_model;  // those of them that lie off the model's surface beyond tolerance: a fail
   std::vector<MaterialFault> material_faults;  // by face: a fail
+  double smallest_feature_mm =
+      0;  // holes, bosses, notches under about this width can go unseen on the faces judged
   std::vector<float> point_deviation_mm;  // per raw point to the nearest model surface, + = excess material
   std::vector<int> point_face;            // per raw point its model id, 0: none
   StageTimer timing;

@@ -138,21 +138,22 @@ void inspect_faces(const Scan& scan, const Solid& model, const MeasuredFaces& me
   }
 }
 
-void find_extra_material(const Solid& model, const MeasuredFaces& measured, const CastScan& cast,
-                         const Tolerances& tolerances, Inspection& inspection) {
+void judge_extra_faces(const Solid& model, const MeasuredFaces& measured, const CastScan& cast,
+                       const Tolerances& tolerances, Inspection& inspection) {
   if (!tolerances.given) return;
   for (const int id : inspection.extra_faces) {
-    size_t outside = 0;
+    size_t off = 0;
     const auto& points = measured.face_points[static_cast<size_t>(id) - 1];
     for (const uint32_t i : points) {
       if (cast.face[i] < 0) {  // the ray meets no material of the model at all
-        ++outside;
+        ++off;
         continue;
       }
-      const FaceTolerance tolerance = tolerances.of(model.faces()[static_cast<size_t>(cast.face[i])]);
-      if (cast.deviation_mm[i] > offset_limit(tolerance) + 3 * cast.sigma_mm[i]) ++outside;
+      const Face& face = model.faces()[static_cast<size_t>(cast.face[i])];
+      if (tolerances.skip.contains(face.id)) continue;
+      off += std::abs(cast.deviation_mm[i]) > offset_limit(tolerances.of(face)) + 3 * cast.sigma_mm[i];
     }
-    if (2 * outside > points.size()) inspection.extra_material.push_back(id);
+    if (2 * off > points.size()) inspection.faces_out_of_model.push_back(id);
   }
 }
 

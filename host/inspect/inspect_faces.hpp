@@ -11,9 +11,10 @@ namespace tetragauge {
 void inspect_faces(const Scan& scan, const Solid& model, const MeasuredFaces& measured, const CastScan& cast,
                    const Tolerances& tolerances, const InspectOptions& options, Inspection& inspection);
 
-// Measured faces that no model face explains and whose points stand out of the model by more than the
-// tolerance there.
-void find_extra_material(const Solid& model, const MeasuredFaces& measured, const CastScan& cast,
-                         const Tolerances& tolerances, Inspection& inspection);
+// Measured faces that no model face explains (a boss, a chamfer, the floor of a pocket) and most of whose
+// points lie off the surface that their ray should have met, on either side, by more than the limit there and
+// three sigma.
+void judge_extra_faces(const Solid& model, const MeasuredFaces& measured, const CastScan& cast,
+                       const Tolerances& tolerances, Inspection& inspection);
 
 }  // namespace tetragauge

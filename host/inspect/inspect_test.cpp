@@ -213,7 +213,7 @@ TEST(Inspect, AnExtraBossFails) {
   const Solid model = staircase(), part = solid("union() {\n" + swept(kStaircase, 0, 60) + boss + "}\n");
   const InspectionRun run = run_inspect(scan_of(part), model, profile(0.2));
   EXPECT_EQ(run.inspection.verdict, Verdict::fail);
-  EXPECT_FALSE(run.inspection.extra_material.empty());
+  EXPECT_FALSE(run.inspection.faces_out_of_model.empty());
   EXPECT_EQ(run.inspection.match.pairs.size(), 15u);
   const RigidTransform error = run.inspection.match.T_model_part * View{}.T_scan_model;
   EXPECT_LT((error * model.centroid_mm - model.centroid_mm).norm(), 0.02);
@@ -259,6 +259,25 @@ TEST(Inspect, APocketAHoleOrADomeThatTheModelDoesNotHaveFails) {
       EXPECT_NEAR(found->depth_mm, c.depth_mm, 0.05) << c.csg;
     }
   }
+  // The other way about: the model has the hole, the part does not.
+  const Solid with_hole =
+      solid("difference() { " + kBlock + at(26, 26, -1, "cylinder(h = 50, r1 = 5, r2 = 5);") + "}");
+  const InspectionRun filled = run_inspect(scan_of(model, {.points = 20000}), with_hole, profile(0.4));
+  EXPECT_EQ(filled.inspection.verdict, Verdict::fail);
+  EXPECT_TRUE(std::any_of(filled.inspection.material_faults.begin(), filled.inspection.material_faults.end(),
+                          [](const MaterialFault& fault) { return !fault.missing; }));
+  // An edge cut off by 3 mm leaves a face that the model does not have.
+  const Solid chamfered =
+      solid("difference() { " + kBlock +
+            at(0, 0, 27,
+               "multmatrix([[1, 0, 0, 0], [0, 0.70710678, -0.70710678, 0], [0, 0.70710678, "
+               "0.70710678, 0], [0, 0, 0, 1]]) { multmatrix([[1, 0, 0, -1], [0, 1, 0, -1], [0, "
+               "0, 1, 0], [0, 0, 0, 1]]) { cube(size = [82, 20, 20], center = false); } }") +
+            "}");
+  const InspectionRun cut = run_inspect(scan_of(chamfered, {.points = 20000}), model, profile(0.4));
+  EXPECT_EQ(cut.inspection.verdict, Verdict::fail);
+  EXPECT_FALSE(cut.inspection.faces_out_of_model.empty());
+
   const InspectionRun good = run_inspect(scan_of(model, {.points = 20000}), model, profile(0.4));
   EXPECT_EQ(good.inspection.verdict, Verdict::pass);
   EXPECT_TRUE(good.inspection.material_faults.empty());

@@ -6,11 +6,13 @@
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <span>
 #include <string>
 
 #include "host/base/nearest_name.hpp"
 #include "host/base/whole_file.hpp"
+#include "host/inspect/decide.hpp"
 
 namespace tetragauge {
 namespace {
@@ -29,17 +31,34 @@ class Reader {
 
   Result<Tolerances> read(const std::string& text) {
     json root;
+    // Of two equal keys the parser would silently keep the last: a limit that nobody sees.
+    std::vector<std::set<std::string>> open_objects;
+    std::string twice;
+    const auto watch_keys = [&](int, json::parse_event_t event, json& value) {
+      if (event == json::parse_event_t::object_start) open_objects.emplace_back();
+      if (event == json::parse_event_t::object_end) open_objects.pop_back();
+      if (event == json::parse_event_t::key && !open_objects.back().insert(value.get<std::string>()).second)
+        twice = value.get<std::string>();
+      return true;
+    };
     try {
-      root = json::parse(text);
-    } catch (const json::parse_error& error) {
-      return bad_input(name_ + ": not JSON: byte " + std::to_string(error.byte) + ": " + error.what());
+      root = json::parse(text, watch_keys);
+    } catch (const json::exception& error) {  // not JSON, or a number that no double can hold
+      return bad_input(name_ + ": not readable as JSON: " + error.what());
     }
+    if (!twice.empty()) return wrong("", "has the key \"" + twice + "\" twice; keep one");
     Tolerances out;
     out.given = true;
     if (!root.is_object()) return wrong("", "must be an object, e.g. {\"default\": {\"profile_mm\": 0.1}}");
     for (const auto& [key, value] : root.items()) {
       if (Status status = read_top(key, value, out); !status) return status.error();
     }
+    const bool judges = std::any_of(model_.faces.begin(), model_.faces.end(), [&](const Face& face) {
+      return has_tolerance(out.of(face)) && !out.skip.contains(face.id);
+    });
+    if (!judges)
+      return wrong(
+          "", "gives no face of the model a tolerance; say one, e.g. {\"default\": {\"profile_mm\": 0.1}}");
     return out;
   }
 

@@ -55,7 +55,7 @@ TEST(Tolerances, FaceOverSurfaceOverTypeOverDefault) {
   EXPECT_EQ(t->of(list.faces[3]).flatness_mm, 0.3);  // key by key
   EXPECT_EQ(t->skip, std::set<int>{7});
   EXPECT_EQ(t->min_coverage, 0.7);
-  EXPECT_EQ(read("{}")->min_coverage, 0.5);
+  EXPECT_EQ(read(R"({"default": {"profile_mm": 0.4}})")->min_coverage, 0.5);
 }
 
 TEST(Tolerances, UnknownKeysNameTheNearest) {
@@ -63,6 +63,13 @@ TEST(Tolerances, UnknownKeysNameTheNearest) {
   expect_error(R"({"default": {"profil_mm": 0.1}})", {"default.profil_mm", "profile_mm"});
   expect_error(R"({"type": {"cylindr": {}}})", {"type.cylindr", "cylinder"});
   expect_error(R"({"face": {"3": {"flatnes_mm": 1}}})", {"face.3.flatnes_mm", "flatness_mm"});
+}
+
+TEST(Tolerances, AFileThatJudgesNothingOrSaysAKeyTwiceIsAnError) {
+  expect_error("{}", {"no face"});
+  expect_error(R"({"default": {"profile_mm": 0.1}, "skip": [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]})", {"no face"});
+  expect_error(R"({"default": {"profile_mm": 0.2}, "default": {"profile_mm": 9}})", {"default", "twice"});
+  expect_error(R"({"default": {"profile_mm": 0.2, "profile_mm": 9}})", {"profile_mm", "twice"});
 }
 
 TEST(Tolerances, UnknownFacesAreErrors) {
@@ -73,7 +80,8 @@ TEST(Tolerances, UnknownFacesAreErrors) {
 }
 
 TEST(Tolerances, WrongValuesAreErrors) {
-  expect_error("{\"default\": ", {"not JSON"});
+  expect_error("{\"default\": ", {"not readable as JSON"});
+  expect_error(R"({"default": {"profile_mm": 1e999}})", {"1e999"});
   expect_error("[]", {"object"});
   expect_error(R"({"default": {"profile_mm": -0.1}})", {"default.profile_mm", "-0.1"});
   expect_error(R"({"default": {"profile_mm": "0.1"}})", {"default.profile_mm"});

@@ -100,8 +100,9 @@ ordered_json report_json(const InspectionRun& run, const Scan& scan, const Solid
   json["missing_faces"] = inspection.missing_faces;
   json["extra_faces"] = ordered_json::array();
   for (const int id : inspection.extra_faces) {
-    const bool is_material = std::find(inspection.extra_material.begin(), inspection.extra_material.end(),
-                                       id) != inspection.extra_material.end();
+    const bool is_material =
+        std::find(inspection.faces_out_of_model.begin(), inspection.faces_out_of_model.end(), id) !=
+        inspection.faces_out_of_model.end();
     json["extra_faces"].push_back(extra_face_json(run.measured.faces()[static_cast<size_t>(id) - 1],
                                                   inspection.match.T_model_part, is_material));
   }
@@ -113,6 +114,7 @@ ordered_json report_json(const InspectionRun& run, const Scan& scan, const Solid
                                        {"rays", fault.rays},
                                        {"depth_mm", json_number(fault.depth_mm)}});
   }
+  json["smallest_feature_mm"] = json_number(inspection.smallest_feature_mm);
   json["misplaced"] = ordered_json::array();
   json["reconstruction"] = reconstruction_json(scan, run.reconstruction);
   json["points_on_faces"] = {{"used", run.measured.points_used}, {"rejected", run.measured.points_rejected}};

@@ -103,8 +103,9 @@ std::string verdict_line(const InspectionRun& run, const Solid& model) {
         return "FAIL: " + material_sentence(inspection.material_faults.front()) +
                (count > 1 ? print("; %zu such places in all", count) : "");
       }
-      return print("FAIL: material where the model has none: %zu face%s out of tolerance",
-                   inspection.extra_material.size(), inspection.extra_material.size() == 1 ? "" : "s");
+      return print("FAIL: %zu measured face%s that the model does not have, out of tolerance",
+                   inspection.faces_out_of_model.size(),
+                   inspection.faces_out_of_model.size() == 1 ? "" : "s");
     case Verdict::undecided:
       return "UNDECIDED: " + (face ? face_sentence(*face, model) : std::string()) + others;
     case Verdict::not_measured:
@@ -175,6 +176,11 @@ std::string report_text(const InspectionRun& run, const Scan& scan, const Solid&
   out += wrapped("model: " + input.model_name + print(", %zu faces", model.faces().size()));
   if (!input.tolerances_name.empty())
     out += wrapped("tolerances: " + input.tolerances_name + ", rule " + run.inspection.rule);
+  if (run.inspection.smallest_feature_mm > 0) {
+    out += wrapped(
+        print("resolution: a hole, boss or notch under about %.1f mm can go unseen; a finer pitch sees it",
+              run.inspection.smallest_feature_mm));
+  }
   out += "\n" + pose_lines(run.inspection.match) + "\n" + table(run, model, tolerances);
   std::string remarks;
   for (const FaceInspection& face : run.inspection.faces)
