@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
+#include <numbers>
 #include <sstream>
 
 #include "host/simulate/counter_noise.hpp"
@@ -12,8 +14,9 @@
 namespace tetragauge {
 namespace {
 
-// More beams than this is a pitch given in the wrong unit, not a scan.
-constexpr double kMostBeams = 4e8;
+// More beams than this is a pitch too fine for the part, or a part in the wrong unit, not a scan: its file
+// would have hundreds of megabytes, and memory several times that.
+constexpr double kMostBeams = 2e7;
 
 // REJECT_WEAK of protocol/machine.proto: too little light came back.
 constexpr uint32_t kTooLittleLight = 1;
@@ -50,11 +53,18 @@ Part part_of(const Solid& solid, const RigidTransform& T_scan_model) {
           0.5 * (solid.box_max_mm - solid.box_min_mm).norm()};
 }
 
+double standoff_of(const Part& part, const SimulateOptions& options) {
+  return options.standoff_mm > 0 ? options.standoff_mm : kStandoffRadii * part.radius_mm;
+}
+
+// The cone from the sensor that touches the part's sphere, where it cuts the plane through the middle.
+double reach_of(const Part& part, double standoff_mm) {
+  return part.radius_mm * standoff_mm /
+         std::sqrt(standoff_mm * standoff_mm - part.radius_mm * part.radius_mm);
+}
+
 std::vector<View> make_views(const Part& part, const SimulateOptions& options, double pitch_mm) {
-  const double standoff = options.standoff_mm > 0 ? options.standoff_mm : kStandoffRadii * part.radius_mm;
-  // The cone that touches the part's sphere, where it cuts the plane through the middle.
-  const double reach =
-      part.radius_mm * standoff / std::sqrt(standoff * standoff - part.radius_mm * part.radius_mm);
+  const double standoff = standoff_of(part, options), reach = reach_of(part, standoff);
   std::vector<View> views;
   for (const Vec3& direction : view_directions(options.views)) {
     const auto [u, v] = tangent_frame(direction);
@@ -157,19 +167,31 @@ Status check_options(const Part& part, const SimulateOptions& options) {
   return Done{};
 }
 
+Status check_beams(const Part& part, const SimulateOptions& options, double pitch_mm) {
+  const double rows = reach_of(part, standoff_of(part, options)) / pitch_mm;
+  const double beams = std::numbers::pi * rows * rows * options.views;
+  if (beams <= kMostBeams) return Done{};
+  std::ostringstream message;
+  message << "simulate: ";
+  if (options.points > 0) {
+    message << options.points << " points";
+  } else {
+    message << "a pitch of " << pitch_mm << " mm";
+  }
+  message << " on a part of " << 2 * part.radius_mm << " mm from " << options.views << " views means "
+          << std::setprecision(2) << beams << " rays, more than " << kMostBeams << "; "
+          << (options.points > 0 ? "lower --points" : "raise --pitch or give --points")
+          << ", and check the unit of the model";
+  return usage_error(message.str());
+}
+
 }  // namespace
 
 Result<Scan> simulate(const Solid& solid, const RayCaster& caster, const SimulateOptions& options) {
   const Part part = part_of(solid, options.T_scan_model);
   if (Status status = check_options(part, options); !status) return status.error();
   const double pitch = options.points > 0 ? choose_pitch(part, caster, options) : options.pitch_mm;
-  const double beams = std::pow(2 * part.radius_mm / pitch, 2) * options.views;
-  if (beams > kMostBeams) {
-    std::ostringstream message;
-    message << "simulate: a pitch of " << pitch << " mm on a part of " << 2 * part.radius_mm << " mm means "
-            << beams << " beams; give a coarser pitch";
-    return usage_error(message.str());
-  }
+  if (Status status = check_beams(part, options, pitch); !status) return status.error();
 
   Scan scan;
   scan.header.seed = options.seed;

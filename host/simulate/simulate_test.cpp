@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <random>
 
 #include "host/scan/scan_file.hpp"
@@ -210,6 +211,29 @@ TEST(Simulate, OptionsWithoutSenseAreUsageErrors) {
   EXPECT_EQ(kind([](SimulateOptions& o) { o.pitch_mm = 1e-5; }), ErrorKind::usage);
   EXPECT_EQ(kind([](SimulateOptions& o) { o.standoff_mm = 5; }), ErrorKind::usage);
   EXPECT_EQ(kind([](SimulateOptions& o) { o.pitch_mm = 1000; }), ErrorKind::usage);
+}
+
+TEST(Simulate, MoreRaysThanAScanHasIsAUsageErrorThatSaysHowMany) {
+  // Seen from 8 views at 4 radii: the touching cones' circles have 16/15 of the sphere's section.
+  const Solid solid = solid_from_csg("cube(size = [2000, 2000, 2000], center = true);");
+  const RayCaster caster(solid);
+  const double rays = 8 * std::numbers::pi * 3e6 * 16 / 15;
+  const Result<Scan> fine = simulate(solid, caster);
+  ASSERT_FALSE(fine);
+  EXPECT_EQ(fine.error().kind, ErrorKind::usage);
+  for (const char* part : {"a pitch of 1 mm", "8e+07 rays", "raise --pitch", "--points"})
+    EXPECT_NE(fine.error().message.find(part), std::string::npos) << part << ": " << fine.error().message;
+  EXPECT_NEAR(rays, 8e7, 0.05e7);
+
+  SimulateOptions options;
+  options.points = 100000000;
+  const Result<Scan> many = simulate(solid, caster, options);
+  ASSERT_FALSE(many);
+  EXPECT_EQ(many.error().kind, ErrorKind::usage);
+  EXPECT_NE(many.error().message.find("lower --points"), std::string::npos) << many.error().message;
+
+  options.points = 2000;
+  EXPECT_NEAR(static_cast<double>(simulate_or_fail(solid, caster, options).size()), 2000, 300);
 }
 
 }  // namespace
