@@ -12,6 +12,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <thread>
 #include <vector>
 
 extern char** environ;
@@ -72,6 +73,25 @@ std::string all_text(int fd) {
   return text;
 }
 
+// Ends the child in bounded time, whatever it does: one that is stopped or hangs never sees SIGTERM. Its
+// status.
+int end_process(pid_t process) {
+  constexpr milliseconds kGrace{1000};
+  const auto deadline = steady_clock::now() + kGrace;
+  int status = 0;
+  for (int signal = SIGTERM;; signal = 0) {
+    const pid_t ended = ::waitpid(process, &status, WNOHANG);
+    if (ended == process || (ended < 0 && errno != EINTR)) return status;
+    if (steady_clock::now() >= deadline) break;
+    if (signal != 0) ::kill(process, signal);
+    std::this_thread::sleep_for(milliseconds(2));
+  }
+  ::kill(process, SIGKILL);
+  while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
+  }
+  return status;
+}
+
 // What a failed emulator said, with its own kind of error.
 Error failure_of(const std::filesystem::path& program, int status, const std::string& said) {
   constexpr std::string_view kName = "tetragauge-emulator: ";
@@ -106,9 +126,17 @@ Result<std::unique_ptr<EmulatedMachine>> EmulatedMachine::start(const EmulatedMa
   machine->folder_ = folder;
   machine->device_ = "unix:" + folder + "/machine";
 
-  std::vector<std::string> arguments{program.string(), "--part",    options.part.string(),        "--listen",
-                                     machine->device_, "--seed",    std::to_string(options.seed), "--speed",
-                                     options.speed,    "--one-host"};
+  std::vector<std::string> arguments{program.string(),
+                                     "--part",
+                                     options.part.string(),
+                                     "--listen",
+                                     machine->device_,
+                                     "--seed",
+                                     std::to_string(options.seed),
+                                     "--speed",
+                                     options.speed,
+                                     "--one-host",
+                                     "--own-folder"};
   if (!options.place.empty()) arguments.push_back("--place=" + options.place);
   if (!options.world.empty()) arguments.push_back("--world=" + options.world.string());
   std::vector<char*> argv;
@@ -134,22 +162,13 @@ Result<std::unique_ptr<EmulatedMachine>> EmulatedMachine::start(const EmulatedMa
   // The emulator prints its device once it listens.
   if (first_line(out.ends[0], options.start_timeout) == machine->device_) return machine;
 
-  int status = 0;
-  if (::waitpid(machine->process_, &status, WNOHANG) == 0) {
-    ::kill(machine->process_, SIGTERM);
-    ::waitpid(machine->process_, &status, 0);
-  }
+  const int status = end_process(machine->process_);
   machine->process_ = -1;
   return failure_of(program, status, all_text(error.ends[0]));
 }
 
 EmulatedMachine::~EmulatedMachine() {
-  if (process_ > 0) {
-    ::kill(process_, SIGTERM);
-    int status = 0;
-    while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {
-    }
-  }
+  if (process_ > 0) end_process(process_);
   std::error_code ignored;
   std::filesystem::remove_all(folder_, ignored);
 }

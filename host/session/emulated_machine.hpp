@@ -30,7 +30,7 @@ class EmulatedMachine {
  public:
   // Errors are the emulator's own: bad model, part outside the working volume (bad input), ...
   static Result<std::unique_ptr<EmulatedMachine>> start(const EmulatedMachineOptions& options);
-  ~EmulatedMachine();  // ends it and removes its folder
+  ~EmulatedMachine();  // ends it within some seconds, even one that hangs, and removes its folder
   EmulatedMachine(const EmulatedMachine&) = delete;
   EmulatedMachine& operator=(const EmulatedMachine&) = delete;
 

@@ -116,11 +116,14 @@ TEST(Session, FrozenMachineIsAnErrorInBoundedTime) {
     if (progress.view == 2) ::kill(emulator, SIGSTOP);
   };
   const auto measured = run_scan(*session->link, plan_all_round(4, 16), options);
-  ::kill(emulator, SIGCONT);
   ASSERT_FALSE(measured);
   EXPECT_EQ(measured.error().kind, ErrorKind::machine);
   EXPECT_NE(measured.error().message.find("stopped answering"), std::string::npos)
       << measured.error().message;
+  const auto start = steady_clock::now();
+  session->machine.reset();  // still stopped: it cannot end by itself
+  EXPECT_LT(steady_clock::now() - start, std::chrono::seconds(5));
+  EXPECT_NE(::kill(emulator, 0), 0);
 }
 
 // After 5 s of wall time the host counts as silent; the firmware pauses with the laser off, and goes on when
@@ -166,17 +169,26 @@ TEST(Session, StoppedByTheUserTheMachineIsReadyAgain) {
 
 TEST(Session, EmulatorEndsWithTheHostThatStartedIt) {
   const auto part = box_file();
+  struct Started {
+    pid_t emulator = -1;
+    char device[100] = {};
+  };
   std::array<int, 2> ends{};
   ASSERT_EQ(::pipe(ends.data()), 0);
   const pid_t host = ::fork();
   if (host == 0) {
     const auto session = start_session({.part = part});
-    const pid_t emulator = session ? session->machine->process() : -1;
-    (void)!::write(ends[1], &emulator, sizeof emulator);
+    Started started;
+    if (session) {
+      started.emulator = session->machine->process();
+      session->machine->device().copy(started.device, sizeof started.device - 1);
+    }
+    (void)!::write(ends[1], &started, sizeof started);
     ::kill(::getpid(), SIGKILL);
   }
-  pid_t emulator = -1;
-  ASSERT_EQ(::read(ends[0], &emulator, sizeof emulator), static_cast<ssize_t>(sizeof emulator));
+  Started started;
+  ASSERT_EQ(::read(ends[0], &started, sizeof started), static_cast<ssize_t>(sizeof started));
+  const pid_t emulator = started.emulator;
   ASSERT_GT(emulator, 0);
   ::waitpid(host, nullptr, 0);
   const auto running = [](pid_t process) {
@@ -186,9 +198,12 @@ TEST(Session, EmulatorEndsWithTheHostThatStartedIt) {
     return std::getline(file, line) && line.find(") Z") == std::string::npos;
   };
   ASSERT_TRUE(running(::getpid()));
-  for (int i = 0; i < 50 && running(emulator); ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  EXPECT_FALSE(running(emulator));
+  for (int i = 0; i < 100 && running(emulator); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_FALSE(running(emulator)) << "1 s after its host";
+  const auto folder = std::filesystem::path(std::string(started.device).substr(5)).parent_path();
+  EXPECT_NE(folder.string().find("tetragauge-"), std::string::npos) << folder;
+  EXPECT_FALSE(std::filesystem::exists(folder)) << folder;
 }
 
 TEST(Session, EmptyTableIsSaidClearly) {

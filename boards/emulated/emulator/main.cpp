@@ -9,6 +9,8 @@
 #include <atomic>
 #include <charconv>
 #include <cstdio>
+#include <cstring>
+#include <filesystem>
 #include <optional>
 #include <random>
 #include <string>
@@ -30,7 +32,18 @@ void ask_to_stop(int) {
 struct Options {
   std::string part, listen = "pty", speed = "max", place, world;
   uint64_t seed = 1;
-  bool one_host = false;
+  bool one_host = false, own_folder = false;
+};
+
+// Takes the socket away at the end, and the folder when it was made for the socket alone: whoever started
+// this program may have been killed before doing so.
+struct AtEnd {
+  std::string socket;            // empty: none of this program's
+  std::filesystem::path folder;  // empty: somebody else's
+  ~AtEnd() {
+    if (!socket.empty()) ::unlink(socket.c_str());
+    if (!folder.empty()) ::rmdir(folder.c_str());  // only an empty one goes
+  }
 };
 
 Result<PaceOptions> pace_of(const std::string& speed) {
@@ -44,6 +57,9 @@ Result<PaceOptions> pace_of(const std::string& speed) {
 }
 
 Status run(const Options& options) {
+  AtEnd at_end;
+  if (options.own_folder && options.listen.starts_with("unix:"))
+    at_end.folder = std::filesystem::path(options.listen.substr(std::strlen("unix:"))).parent_path();
   const auto pace = pace_of(options.speed);
   if (!pace) return pace.error();
   RigidTransform place;
@@ -65,14 +81,15 @@ Status run(const Options& options) {
 
   const auto listening = start_listening(options.listen);
   if (!listening) return listening.error();
-  std::printf("%s\n", listening->device.c_str());
-  std::fflush(stdout);
+  at_end.socket = listening->socket_path;
+  // With --one-host, a reader who has gone is a host killed before it could be watched.
+  if (std::printf("%s\n", listening->device.c_str()) < 0 || std::fflush(stdout) != 0)
+    return machine_error("cannot say the device on standard output: " + std::string(std::strerror(errno)));
 
   HostLine line({.listener_fd = listening->listener_fd, .fd = listening->fd, .one_host = options.one_host});
   sim::World world(setup, *standing, options.seed);
   EmulatedBoard board(world, line, std::random_device{}());
   run_board(board, line, stop_asked, *pace);
-  if (!listening->socket_path.empty()) ::unlink(listening->socket_path.c_str());
   return Done{};
 }
 
@@ -89,6 +106,8 @@ int emulator_main(int argc, char** argv) {
   app.add_option("--world", options.world, "JSON file of a world that deviates from the nominal one");
   app.add_flag("--one-host", options.one_host,
                "end when the first host has gone, or when the program that started this one has");
+  app.add_flag("--own-folder", options.own_folder,
+               "with --listen unix:PATH: PATH's folder is for it alone and is removed at the end");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
