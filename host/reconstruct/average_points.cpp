@@ -31,7 +31,8 @@ class Averager {
         result_(result) {}
 
   // Each point in turn, if it is not in a vertex yet, gathers the free points around it that lie on its local
-  // plane. Neighbourhoods that are not plane are halved, twice; then the point stays alone.
+  // plane. Neighbourhoods that are not plane are halved, twice; then the point stays alone, or with its
+  // crowd.
   void run(const std::vector<uint32_t>& order) {
     sort_into_grid(order);
     taken_.assign(scan_.size(), 0);
@@ -40,9 +41,10 @@ class Averager {
       if (taken_[seed]) continue;
       collect_around(seed, around);
       members.assign(1, seed);
-      for (double scale = 1; scale >= 0.25 && around.size() > 1; scale /= 2) {
-        if (gather(seed, around, scale, members)) break;
-      }
+      bool is_plane = around.size() < 2;
+      for (double scale = 1; scale >= 0.25 && !is_plane; scale /= 2)
+        is_plane = gather(seed, around, scale, members);
+      if (!is_plane) gather_crowd(seed, around, members);
       for (uint32_t i : members) taken_[i] = 1;
       add_vertex(members);
     }
@@ -120,6 +122,22 @@ class Averager {
         members.push_back(i);
     }
     return true;
+  }
+
+  // A machine that stands still gives one place again and again: such points have no plane of their own, and
+  // if each stayed alone and asked all others in turn the time would go with their square. This close to each
+  // other, compared with the noise, no shape is lost by averaging them. Scans of a moving beam have no
+  // crowds.
+  void gather_crowd(uint32_t seed, const std::vector<uint32_t>& around, std::vector<uint32_t>& members) {
+    constexpr size_t kCrowd = 16;
+    constexpr double kReachSigmas = 0.01;
+    const double reach2 = std::pow(kReachSigmas * sigma_mm_[seed], 2);
+    near_.clear();
+    for (uint32_t i : around) {
+      if (i != seed && !taken_[i] && (scan_.points[i] - scan_.points[seed]).squaredNorm() <= reach2)
+        near_.push_back(i);
+    }
+    if (near_.size() >= kCrowd) members.insert(members.end(), near_.begin(), near_.end());
   }
 
   double gate(uint32_t i, const Vec3& normal) const {

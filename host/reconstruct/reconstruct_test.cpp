@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+
+#include "host/reconstruct/average_points.hpp"
 #include "host/reconstruct/synthetic_scan.hpp"
 
 namespace tetragauge {
@@ -145,6 +148,53 @@ TEST(Reconstruct, OnePlaneSeenFromOneSideIsASheetWithAnUnseenBack) {
   EXPECT_TRUE(r->closed);
   EXPECT_EQ(r->rays_lost, 0u);
   EXPECT_NEAR(r->area_mm2, 40 * 40, 160);  // the seen side
+}
+
+// A machine that stood still: one place many times, on top of a scan. With `step_mm` along the ray, not
+// exactly.
+Scan with_crowd(Scan scan, size_t at, size_t copies, double step_mm) {
+  const Vec3 place = scan.points[at], origin = scan.ray_origins[at], ray = scan.ray_direction(at);
+  for (size_t i = 0; i < copies; ++i) {
+    scan.points.push_back(place + step_mm * static_cast<double>(i % 1000) * ray);
+    scan.ray_origins.push_back(origin - static_cast<double>(i % 3) * ray);
+    scan.sigma_mm.push_back(scan.sigma_mm[at]);
+    scan.intensity.push_back(1);
+    scan.view.push_back(0);
+    scan.flags.push_back(0);
+  }
+  return scan;
+}
+
+TEST(Reconstruct, ACrowdOnOnePlaceIsOneVertexAndTakesNoSquareOfTime) {
+  const Scan scan = synthetic::scan_part(synthetic::box(50, 40, 30), box_plan());
+  const AveragedPoints without = average_points(scan);
+  const size_t at = scan.size() / 2;
+  for (const double step_mm : {0.0, 1e-7}) {
+    const Scan crowded = with_crowd(scan, at, 100000, step_mm);
+    const auto start = std::chrono::steady_clock::now();
+    const AveragedPoints with = average_points(crowded);
+    // Under a second; with each of the crowd asking all others it was minutes.
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+    const uint32_t crowd = with.point_vertex[at];
+    EXPECT_LT((with.vertices[crowd] - scan.points[at]).norm(), 1e-3 + 1000 * step_mm);
+    EXPECT_NEAR(static_cast<double>(with.sigma_mm[crowd]),
+                static_cast<double>(scan.sigma_mm[at]) / std::sqrt(100001.0), 1e-7);
+    for (size_t i = scan.size(); i < crowded.size(); ++i) ASSERT_EQ(with.point_vertex[i], crowd);
+    // The rest of the scan does not notice.
+    ASSERT_EQ(with.vertices.size(), without.vertices.size());
+    for (size_t v = 0; v < with.vertices.size(); ++v) {
+      if (v == crowd) continue;
+      ASSERT_EQ(with.vertices[v], without.vertices[v]);
+    }
+  }
+}
+
+TEST(Reconstruct, NothingButOnePlaceIsAClearErrorAtOnce) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto r = reconstruct(scan_of(std::vector<Vec3>(300000, Vec3(1, 2, 3)), Vec3(0, 0, 100)));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+  ASSERT_FALSE(r.ok());
+  EXPECT_EQ(r.error().kind, ErrorKind::bad_input);
 }
 
 TEST(Reconstruct, NothingToEncloseIsAClearError) {
