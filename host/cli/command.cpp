@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "host/cli/command.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 
 #include "host/base/whole_file.hpp"
+#include "host/cli/check_outputs.hpp"
 
 namespace tetragauge::cli {
 
@@ -21,10 +27,24 @@ Status Console::put_json(const nlohmann::ordered_json& value) const {
   if (json.empty()) return Done{};
   const std::string text = value.dump(2) + "\n";
   if (json != "-") return write_whole_file(json, text);
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
-    return internal_error("standard output was closed before the JSON was written");
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  return flush_stdout();
+}
+
+void hold_standard_descriptors() {
+  for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(fd, F_GETFD) >= 0) continue;
+    // open() takes the lowest free number, which is this one.
+    if (::open("/dev/null", fd == STDOUT_FILENO ? O_RDONLY : O_RDWR) != fd) return;
   }
-  return Done{};
+}
+
+Status flush_stdout() {
+  const bool failed_before = std::ferror(stdout) != 0;
+  const bool flushed = std::fflush(stdout) == 0;
+  if (flushed && !failed_before) return Done{};
+  const std::string why = flushed ? "" : std::string(": ") + std::strerror(errno);
+  return bad_input("cannot write to standard output" + why + "; the output is incomplete");
 }
 
 CLI::App* add_command(CLI::App& app, Console& console, const std::string& name, const std::string& what) {
@@ -33,7 +53,8 @@ CLI::App* add_command(CLI::App& app, Console& console, const std::string& name, 
   command->add_option("--threads", console.threads, "Threads to use (0: all); results do not depend on it")
       ->check(CLI::Range(0, 1024));
   command->add_option("--json", console.json, "Write the result as JSON to FILE, or - for stdout")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->check(not_empty());
   command->set_version_flag("--version", kVersion);
   return command;
 }

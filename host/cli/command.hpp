@@ -19,11 +19,18 @@ struct Console {
 
   // Progress and log, one line on stderr; nothing with --quiet.
   void say(const std::string& line) const;
-  // Text a person reads on stdout; nothing when stdout carries the JSON.
+  // Text a person reads on stdout; nothing when stdout carries the JSON. main() sees whether it got there.
   void print(const std::string& text) const;
   // Writes `value` where --json asked for it, whole.
   Status put_json(const nlohmann::ordered_json& value) const;
 };
+
+// Standard descriptors that came closed are taken, so that no file or socket opened later gets their numbers
+// and what is printed; a closed stdout still fails when written to.
+void hold_standard_descriptors();
+
+// An error when anything written to stdout so far was lost.
+Status flush_stdout();
 
 // Runs a command; the result is the exit code.
 using Run = std::function<Result<int>()>;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/cli/check_outputs.hpp"
 #include "host/cli/face_table.hpp"
 #include "host/cli/input_options.hpp"
 #include "host/faces/find_faces.hpp"
@@ -17,6 +18,7 @@ void add_faces(CLI::App& app, Console& console, Run& run) {
   options->input.add_unit(*command);
   command->callback([options, &console, &run] {
     run = [options, &console]() -> Result<int> {
+      if (Status status = check_outputs(console, {}, {options->input.scan}); !status) return status.error();
       Result<Scan> scan = options->input.read_scan(console);
       if (!scan) return scan.error();
       Result<Reconstruction> reconstruction = reconstruct(*scan);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "host/cli/input_options.hpp"
 
-#include <unistd.h>
-
 #include "host/geometry/face_list_file.hpp"
 #include "host/geometry/parse_number.hpp"
 
@@ -80,20 +78,6 @@ Result<Solid> InputOptions::read_model(const Console& console) const {
     for (const std::string& warning : read->warnings) console.say("warning: " + warning);
   }
   return read;
-}
-
-Status check_can_write(const std::string& path) {
-  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
-  std::error_code code;
-  if (std::filesystem::is_directory(path, code)) return usage_error(path + " is a folder; name a file");
-  if (!std::filesystem::is_directory(folder, code)) {
-    return usage_error("cannot write " + path + ": there is no folder " + folder.string() +
-                       "; make it first");
-  }
-  if (::access(folder.c_str(), W_OK) != 0) {
-    return usage_error("cannot write " + path + ": no permission in " + folder.string());
-  }
-  return Done{};
 }
 
 Result<Vec3> parse_vec3(const std::string& text, const std::string& option) {

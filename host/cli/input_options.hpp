@@ -28,9 +28,6 @@ struct InputOptions {
   Result<double> model_unit_mm() const;
 };
 
-// The folder of `path` exists and is writable: said before hours of work, not after.
-Status check_can_write(const std::string& path);
-
 // "X,Y,Z"; a usage error names `option`.
 Result<Vec3> parse_vec3(const std::string& text, const std::string& option);
 

@@ -16,14 +16,16 @@ void add_inspect(CLI::App& app, Console& console, Run& run) {
   options->inspect.add(*command);
   command->callback([options, &console, &run] {
     run = [options, &console]() -> Result<int> {
-      Result<Solid> model = options->input.read_model(console);
+      const InputOptions& input = options->input;
+      if (Status status = options->inspect.prepare_folder(console, {input.scan, input.model}); !status)
+        return status.error();
+      Result<Solid> model = input.read_model(console);
       if (!model) return model.error();
-      Result<Tolerances> tolerances = options->inspect.prepare(*model);
+      Result<Tolerances> tolerances = options->inspect.read_limits(*model);
       if (!tolerances) return tolerances.error();
-      Result<Scan> scan = options->input.read_scan(console);
+      Result<Scan> scan = input.read_scan(console);
       if (!scan) return scan.error();
-      return options->inspect.run(console, *scan, options->input.scan, *model, options->input.model,
-                                  *tolerances);
+      return options->inspect.run(console, *scan, input.scan, *model, input.model, *tolerances);
     };
   });
 }

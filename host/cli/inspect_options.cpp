@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "host/base/whole_file.hpp"
+#include "host/cli/check_outputs.hpp"
 #include "host/report/report.hpp"
 
 namespace tetragauge::cli {
@@ -22,20 +23,35 @@ void InspectArguments::add(CLI::App& command) {
       ->type_name("T.json");
   command.add_option("--out", out, "Folder for report.json, report.txt, deviation.ply")
       ->required()
-      ->type_name("DIR");
+      ->type_name("DIR")
+      ->check(not_empty());
   using Rule = InspectOptions::Rule;
   command.add_option("--rule", inspect.rule, "Decision rule: guarded, iso14253-1:2017 or simple")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, Rule>{
-          {"guarded", Rule::guarded}, {"iso14253-1:2017", Rule::iso14253}, {"simple", Rule::simple}}));
+      ->transform(CLI::CheckedTransformer(std::map<std::string, Rule>{{"guarded", Rule::guarded},
+                                                                      {"iso14253-1:2017", Rule::iso14253},
+                                                                      {"simple", Rule::simple}})
+                      .description(""))
+      ->type_name("RULE")
+      ->default_str(std::string(rule_name(inspect.rule)));
 }
 
-Result<Tolerances> InspectArguments::prepare(const Solid& model) const {
+Status InspectArguments::prepare_folder(const Console& console, std::vector<std::string> inputs,
+                                        const std::vector<std::string>& more_files) const {
   std::error_code code;
   std::filesystem::create_directories(out, code);
   if (code || ::access(out.c_str(), W_OK) != 0) {
     return usage_error("cannot make the folder " + out +
                        (code ? ": " + code.message() : ": no permission to write in it"));
   }
+  std::vector<std::string> outputs;
+  for (const char* name : {"report.json", "report.txt", "deviation.ply"})
+    outputs.push_back((std::filesystem::path(out) / name).string());
+  for (const std::string& name : more_files) outputs.push_back((std::filesystem::path(out) / name).string());
+  inputs.push_back(tolerances);
+  return check_outputs(console, outputs, inputs);
+}
+
+Result<Tolerances> InspectArguments::read_limits(const Solid& model) const {
   if (tolerances.empty()) return Tolerances{};
   return read_tolerances(tolerances, model.list);
 }

@@ -15,9 +15,12 @@ struct InspectArguments {
 
   void add(CLI::App& command);
 
-  // Checks what can be known before the work: the tolerance file against the model, and that `out` can be
-  // made.
-  Result<Tolerances> prepare(const Solid& model) const;
+  // Makes the folder `out` and checks, before the work, that the report and `more_files` can be written there
+  // without writing over an input.
+  Status prepare_folder(const Console& console, std::vector<std::string> inputs,
+                        const std::vector<std::string>& more_files = {}) const;
+  // The tolerance file, checked against the model.
+  Result<Tolerances> read_limits(const Solid& model) const;
 
   // Inspects, writes the report into `out`, prints report.txt, puts report.json where --json asked. The exit
   // code.

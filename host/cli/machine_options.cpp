@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdio>
 
+#include "host/geometry/parse_number.hpp"
 #include "host/geometry/rigid_transform.hpp"
 
 namespace tetragauge::cli {
@@ -70,25 +71,40 @@ void MachineArguments::add(CLI::App& command) {
                   "How the emulated part stands: turned (degrees), then shifted (mm)")
       ->type_name("RX,RY,RZ,TX,TY,TZ")
       ->needs(part_option);
-  command.add_option("--seed", emulated.seed, "Seed of the emulated machine's noise")->needs(part_option);
+  command.add_option("--seed", emulated.seed, "Seed of the emulated machine's noise")
+      ->capture_default_str()
+      ->needs(part_option);
   command.add_option("--world", emulated.world, "True geometry and noise of the emulated machine (JSON)")
       ->type_name("FILE")
       ->needs(part_option);
   command.add_option("--speed", emulated.speed, "Time of the emulated machine: max, or 1 for real time")
       ->check(CLI::IsMember({"max", "1"}))
+      ->capture_default_str()
       ->needs(part_option);
   auto* plan_option =
       command.add_option("--plan", plan, "Scan plan (JSON); without one a survey finds the part")
           ->type_name("P.json");
   command.add_option("--pitch", default_plan.pitch_mm, "Spacing of the beams without a plan, mm")
       ->check(CLI::Range(0.05, 20.0))
+      ->capture_default_str()
       ->excludes(plan_option);
   command.add_flag("--keep-table", keep_table, "Keep points on the table's top");
+}
+
+std::vector<std::string> MachineArguments::input_files() const {
+  return {plan, emulated.part.string(), emulated.world.string()};
 }
 
 Status MachineArguments::check() const {
   if (port.empty() == emulated.part.empty()) {
     return usage_error("name the machine: --port DEV for a real one, or --emulated PART");
+  }
+  if (port.starts_with("tcp:")) {
+    const std::string number = port.substr(port.rfind(':') + 1);
+    const auto value = parse_number<int>(number);
+    if (!value || *value < 1 || *value > 65535) {
+      return usage_error("--port " + port + ": must be tcp:HOST:PORT with a port from 1 to 65535");
+    }
   }
   if (!emulated.place.empty()) {
     Result<RigidTransform> pose = parse_pose(emulated.place, "--place");

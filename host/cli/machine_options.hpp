@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "host/cli/command.hpp"
 #include "host/session/default_plan.hpp"
@@ -19,6 +20,8 @@ struct MachineArguments {
 
   void add(CLI::App& command);
 
+  // The files named; empty names are files not given.
+  std::vector<std::string> input_files() const;
   // Usage errors that can be known before a machine is touched.
   Status check() const;
   // Opens the machine, scans, closes it. Ctrl-C aborts the machine, laser off, and there is no scan.

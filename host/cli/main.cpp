@@ -14,10 +14,16 @@ int fail(const tetragauge::Error& error) {
   return static_cast<int>(error.kind);
 }
 
+int succeed(int code) {
+  const tetragauge::Status printed = tetragauge::cli::flush_stdout();
+  return printed ? code : fail(printed.error());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   using namespace tetragauge;
+  cli::hold_standard_descriptors();
   cli::Console console;
   cli::Run run;
   CLI::App app{"Tetragauge measures a part with a laser and says which of its faces are out of tolerance."};
@@ -37,7 +43,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {  // --help, --version
-    return app.exit(success);
+    return succeed(app.exit(success));
   } catch (const CLI::ParseError& error) {
     app.exit(error);
     return static_cast<int>(ErrorKind::usage);
@@ -49,7 +55,7 @@ int main(int argc, char** argv) {
                                                     static_cast<size_t>(console.threads));
     }
     const Result<int> code = run();
-    return code ? *code : fail(code.error());
+    return code ? succeed(*code) : fail(code.error());
   } catch (const std::exception& error) {
     return fail(
         internal_error(std::string("internal error: ") + error.what() + "; please report it with the input"));

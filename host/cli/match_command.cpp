@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/cli/check_outputs.hpp"
 #include "host/cli/input_options.hpp"
 #include "host/geometry/face_list_file.hpp"
 #include "host/match/match.hpp"
@@ -66,6 +67,8 @@ void add_match(CLI::App& app, Console& console, Run& run) {
   command->callback([options, &console, &run] {
     run = [options, &console]() -> Result<int> {
       const std::string& name = options->input.model;
+      if (Status status = check_outputs(console, {}, {name, options->measured}); !status)
+        return status.error();
       Result<double> model_unit = options->input.model_unit_mm();
       if (!model_unit) return model_unit.error();
       FaceList model;

@@ -3,6 +3,11 @@
 #include "host/cli/machine_options.hpp"
 
 namespace tetragauge::cli {
+namespace {
+
+constexpr const char* kScanFile = "scan.ply";  // in the folder of the report
+
+}  // namespace
 
 void add_measure(CLI::App& app, Console& console, Run& run) {
   struct Options {
@@ -20,13 +25,17 @@ void add_measure(CLI::App& app, Console& console, Run& run) {
   command->callback([options, &console, &run] {
     run = [options, &console]() -> Result<int> {
       if (Status status = options->machine.check(); !status) return status.error();
+      std::vector<std::string> inputs = options->machine.input_files();
+      inputs.push_back(options->input.model);
+      if (Status status = options->inspect.prepare_folder(console, inputs, {kScanFile}); !status)
+        return status.error();
       Result<Solid> model = options->input.read_model(console);
       if (!model) return model.error();
-      Result<Tolerances> tolerances = options->inspect.prepare(*model);
+      Result<Tolerances> tolerances = options->inspect.read_limits(*model);
       if (!tolerances) return tolerances.error();
       Result<MeasuredScan> measured = options->machine.scan(console);
       if (!measured) return measured.error();
-      const std::string scan_path = (std::filesystem::path(options->inspect.out) / "scan.ply").string();
+      const std::string scan_path = (std::filesystem::path(options->inspect.out) / kScanFile).string();
       if (Status status = write_scan(scan_path, measured->scan); !status) return status.error();
       return options->inspect.run(console, measured->scan, scan_path, *model, options->input.model,
                                   *tolerances);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <map>
 
+#include "host/cli/check_outputs.hpp"
 #include "host/cli/face_table.hpp"
 #include "host/cli/input_options.hpp"
 #include "host/geometry/face_list_file.hpp"
@@ -54,6 +55,7 @@ void add_model(CLI::App& app, Console& console, Run& run) {
   options->add_unit(*command);
   command->callback([options, &console, &run] {
     run = [options, &console]() -> Result<int> {
+      if (Status status = check_outputs(console, {}, {options->model}); !status) return status.error();
       Result<Solid> model = options->read_model(console);
       if (!model) return model.error();
       if (Status status = console.put_json(model_json(*model)); !status) return status.error();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "host/base/whole_file.hpp"
+#include "host/cli/check_outputs.hpp"
 #include "host/cli/input_options.hpp"
 #include "host/reconstruct/mesh_file.hpp"
 #include "host/report/report.hpp"
@@ -17,19 +18,28 @@ void add_reconstruct(CLI::App& app, Console& console, Run& run) {
       add_command(app, console, "reconstruct", "The surface between solid and air, from points with rays");
   options->input.add_scan(*command);
   options->input.add_unit(*command);
-  command->add_option("--out", options->out, "Mesh to write")->required()->type_name("MESH.ply");
+  command->add_option("--out", options->out, "Mesh to write")
+      ->required()
+      ->type_name("MESH.ply")
+      ->check(not_empty());
   command
       ->add_option("--method", options->reconstruct.method,
                    "cut: soft visibility and minimum cut; carve: one ray makes air")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, ReconstructMethod>{
-          {"cut", ReconstructMethod::cut}, {"carve", ReconstructMethod::carve}}));
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, ReconstructMethod>{
+                                      {"cut", ReconstructMethod::cut}, {"carve", ReconstructMethod::carve}})
+              .description(""))
+      ->type_name("METHOD")
+      ->default_str("cut");
   command
       ->add_option("--spacing", options->reconstruct.spacing_mm,
                    "Spacing of the averaged vertices, mm (0: from the data)")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command->callback([options, &console, &run] {
     run = [options, &console]() -> Result<int> {
-      if (Status status = check_can_write(options->out); !status) return status.error();
+      if (Status status = check_outputs(console, {options->out}, {options->input.scan}); !status)
+        return status.error();
       Result<Scan> scan = options->input.read_scan(console);
       if (!scan) return scan.error();
       Result<Reconstruction> reconstruction = reconstruct(*scan, options->reconstruct);

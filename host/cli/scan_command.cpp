@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "host/cli/input_options.hpp"
+#include "host/cli/check_outputs.hpp"
 #include "host/cli/machine_options.hpp"
+#include "host/scan/scan_file.hpp"
 
 namespace tetragauge::cli {
 
@@ -13,11 +14,15 @@ void add_scan(CLI::App& app, Console& console, Run& run) {
   CLI::App* command =
       add_command(app, console, "scan", "A scan session with a machine: points with rays and sigma");
   options->machine.add(*command);
-  command->add_option("--out", options->out, "Scan file to write")->required()->type_name("SCAN.ply");
+  command->add_option("--out", options->out, "Scan file to write")
+      ->required()
+      ->type_name("SCAN.ply")
+      ->check(not_empty());
   command->callback([options, &console, &run] {
     run = [options, &console]() -> Result<int> {
       if (Status status = options->machine.check(); !status) return status.error();
-      if (Status status = check_can_write(options->out); !status) return status.error();
+      if (Status status = check_outputs(console, {options->out}, options->machine.input_files()); !status)
+        return status.error();
       Result<MeasuredScan> measured = options->machine.scan(console);
       if (!measured) return measured.error();
       if (Status status = write_scan(options->out, measured->scan); !status) return status.error();

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ten kinds of bad input: each a clear error with the right exit code, and nothing half written."""
+"""Kinds of bad input: each a clear error with the right exit code, and nothing half written."""
 import os
 import socket
+import stat
 import subprocess
 import threading
 import time
@@ -126,6 +127,111 @@ class BadInput(cl.CommandLineTest):
         self.refused(USAGE, ['no_folder'], 'simulate', '--model', cl.NOMINAL, '--out', 'no_folder/out.ply')
         self.refused(USAGE, ['--pose'], 'simulate', '--model', cl.NOMINAL, '--out', 'out.ply', '--pose', '1,2,3')
         self.refused(USAGE, ['furlong'], 'model', cl.NOMINAL, '--unit', 'furlong', '--json', 'out.json')
+
+    def test_output_that_is_an_input(self):
+        """Refused before the work, and the input is still what it was."""
+        scan = self.small_scan()
+        with open(cl.NOMINAL, 'rb') as file:
+            model = file.read()
+        self.write('part.csg', model)
+        self.write('faces.json', '{}')
+        os.mkdir(self.path('out'))
+        os.symlink('scan.ply', self.path('link.ply'))
+        os.link(self.path('scan.ply'), self.path('out/deviation.ply'))
+        self.write('out/report.json', '{}')
+        for arguments in [('simulate', '--model', 'part.csg', '--out', 'part.csg'),
+                          ('simulate', '--model', 'part.csg', '--out', 'new.ply', '--json', './part.csg'),
+                          ('simulate', '--model', 'part.csg', '--out', 'new.ply', '--json', './new.ply'),
+                          ('reconstruct', 'scan.ply', '--out', 'link.ply'),
+                          ('faces', 'scan.ply', '--json', 'link.ply'),
+                          ('model', 'part.csg', '--json', 'part.csg'),
+                          ('match', '--model', 'part.csg', '--measured', 'faces.json', '--json', 'faces.json'),
+                          ('scan', '--emulated', 'part.csg', '--out', 'part.csg'),
+                          ('measure', '--emulated', 'part.csg', '--model', 'part.csg', '--out', 'new', '--json', 'part.csg'),
+                          ('inspect', 'out/deviation.ply', '--model', 'part.csg', '--out', 'out'),
+                          ('inspect', 'scan.ply', '--model', 'part.csg', '--tolerances', 'out/report.json', '--out', 'out')]:
+            with self.subTest(arguments):
+                done = self.run_command(*arguments, timeout=60)
+                self.assertEqual(done.returncode, USAGE, done.stderr)
+                self.assertIn('cannot write', done.stderr)
+                self.assertEqual(self.read('scan.ply'), scan)
+                self.assertEqual(self.read('part.csg'), model)
+                self.assertEqual(self.read('faces.json'), b'{}')
+                self.assertEqual(self.read('out/report.json'), b'{}')
+                self.assertFalse(os.path.exists(self.path('new.ply')))
+
+    def test_output_that_cannot_be(self):
+        os.mkfifo(self.path('pipe'))
+        os.symlink('far.ply', self.path('outlink.ply'))
+        simulate = ('simulate', '--model', cl.NOMINAL, '--points', 500)
+        self.refused_early(['--out'], *simulate, '--out', '')
+        self.refused_early(['--out'], 'inspect', 'scan.ply', '--model', cl.NOMINAL, '--out', '')
+        self.refused_early(['--json'], *simulate, '--out', 'out.ply', '--json', '')
+        self.refused_early(['pipe'], *simulate, '--out', 'pipe')
+        self.refused_early(['pipe'], *simulate, '--out', 'out.ply', '--json', 'pipe')
+        self.refused_early(['no_folder'], *simulate, '--out', 'out.ply', '--json', 'no_folder/out.json')
+        self.assertTrue(stat.S_ISFIFO(os.lstat(self.path('pipe')).st_mode))
+        done = self.run_command(*simulate, '--out', 'outlink.ply')
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertTrue(os.path.islink(self.path('outlink.ply')))
+        self.assertTrue(self.read('far.ply').startswith(b'ply'))
+
+    def refused_early(self, words, *arguments):
+        done = self.run_command(*arguments, timeout=60)
+        self.assertEqual(done.returncode, USAGE, f'{arguments}\n{done.stderr}')
+        for word in words:
+            self.assertIn(word, done.stderr)
+        self.assertEqual([name for name in os.listdir(self.folder) if name.startswith('out.')], [])
+
+    def test_lost_standard_output(self):
+        """What was printed and did not get there is an error."""
+        program = os.path.join(cl.BIN, 'tetragauge')
+        for arguments in (f"model '{cl.NOMINAL}'", f"model '{cl.NOMINAL}' --json -", '--help', 'scan --help', '--version'):
+            for where in ('>/dev/full', '>&-'):
+                with self.subTest(f'{arguments} {where}'):
+                    done = subprocess.run(f"'{program}' {arguments} {where}", shell=True, cwd=self.folder, timeout=60,
+                                          stderr=subprocess.PIPE, text=True, check=False)
+                    self.assertEqual(done.returncode, BAD_INPUT, done.stderr)
+                    self.assertIn('standard output', done.stderr)
+
+    def test_port_out_of_range(self):
+        for port in ('0', '65536', '99999', '-1', 'x', ''):
+            self.refused(USAGE, ['65535'], 'scan', '--port', f'tcp:127.0.0.1:{port}', '--out', 'out.ply')
+
+    def test_killed_while_scanning(self):
+        """The emulator that a killed host started ends at once and leaves no folder."""
+        host = subprocess.Popen([os.path.join(cl.BIN, 'tetragauge'), 'scan', '--emulated', cl.NOMINAL, PLACE, '--speed', '1',
+                                 '--out', 'out.ply'], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(host.wait)
+        self.addCleanup(host.kill)
+        children = f'/proc/{host.pid}/task/{host.pid}/children'
+        arguments = []
+        for _ in range(300):
+            with open(children, encoding='ascii') as file:
+                emulators = file.read().split()
+            if emulators:
+                with open(f'/proc/{emulators[0]}/cmdline', encoding='utf-8') as file:
+                    arguments = file.read().split('\0')
+                if '--listen' in arguments and os.path.exists(arguments[arguments.index('--listen') + 1][len('unix:'):]):
+                    break
+            time.sleep(0.05)
+        self.assertIn('--listen', arguments)
+        folder = os.path.dirname(arguments[arguments.index('--listen') + 1][len('unix:'):])
+        self.assertTrue(os.path.isdir(folder), folder)
+        time.sleep(0.5)  # in the middle of the survey
+        host.kill()
+        host.wait()
+        deadline = time.monotonic() + 1
+        while os.path.exists(folder) and time.monotonic() < deadline:
+            time.sleep(0.02)
+        self.assertFalse(os.path.exists(folder), folder)
+
+    def test_help_says_defaults(self):
+        for command, options in [('simulate', ['--views', '--pitch', '--sigma', '--seed']), ('inspect', ['--rule']),
+                                 ('scan', ['--pitch', '--seed', '--speed']), ('measure', ['--rule', '--pitch'])]:
+            text = ' '.join(self.run_command(command, '--help').stdout.split())
+            for option in options:
+                self.assertRegex(text, rf' {option} \S+( in \[[^]]*\])?=(guarded|max|[0-9.]+) ', command)
 
     def test_tolerance_file(self):
         scan = self.small_scan()
