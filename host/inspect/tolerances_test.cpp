@@ -67,7 +67,8 @@ TEST(Tolerances, UnknownKeysNameTheNearest) {
 
 TEST(Tolerances, AFileThatJudgesNothingOrSaysAKeyTwiceIsAnError) {
   expect_error("{}", {"no face"});
-  expect_error(R"({"default": {"profile_mm": 0.1}, "skip": [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]})", {"no face"});
+  expect_error(R"({"default": {"profile_mm": 0.1}, "skip": [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]})",
+               {"no face"});
   expect_error(R"({"default": {"profile_mm": 0.2}, "default": {"profile_mm": 9}})", {"default", "twice"});
   expect_error(R"({"default": {"profile_mm": 0.2, "profile_mm": 9}})", {"profile_mm", "twice"});
 }
