@@ -30,7 +30,8 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", cli::kVersion);
   app.require_subcommand(1);
   app.footer(
-      "Exit codes: 0 pass or done, 1 out of tolerance, 2 usage, 3 bad input file, 4 machine or link,\n"
+      "Exit codes: 0 pass or done, 1 out of tolerance, 2 usage, 3 bad input or lost output, 4 machine or "
+      "link,\n"
       "5 undecided or not enough measured, 70 internal error.");
   cli::add_measure(app, console, run);
   cli::add_scan(app, console, run);
