@@ -16,6 +16,7 @@
 #include "firmware/scan/scan_runner.hpp"
 #include "firmware/version.hpp"
 #include "protocol/schema_hash.hpp"
+#include "protocol/state_name.hpp"
 
 namespace tetragauge {
 
@@ -214,7 +215,7 @@ class Controller {
 
   void handle_request() {
     if (!request_allowed(state(), message_.which_body)) {
-      refuse(tg_RefuseReason_REFUSE_STATE, name_of(state()));
+      refuse(tg_RefuseReason_REFUSE_STATE, state_name(state()));
       return;
     }
     // After a fault: the end of the broken scan waits for room in the ring, and its rays for their geometry.

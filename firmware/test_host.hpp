@@ -13,6 +13,7 @@
 
 #include "firmware/controller.hpp"
 #include "firmware/hal/fake_board.hpp"
+#include "protocol/state_name.hpp"
 
 namespace tetragauge {
 
@@ -136,7 +137,7 @@ class TestHost {
 
   std::string trouble() const {
     std::ostringstream out;
-    out << "state " << name_of(controller->state()) << ", " << beams.size() << " beams, " << items
+    out << "state " << state_name(controller->state()) << ", " << beams.size() << " beams, " << items
         << " items, faults";
     for (const tg_Fault& fault : faults) out << ' ' << fault.code;
     return out.str();

@@ -7,6 +7,7 @@
 
 #include "firmware/test_host.hpp"
 #include "firmware/test_views.hpp"
+#include "protocol/state_name.hpp"
 
 namespace tetragauge {
 namespace {
@@ -66,10 +67,10 @@ TEST(StateTable, EveryRequestInEveryStateIsTakenOrRefusedAsDocumented) {
       const bool by_state = reply.which_body == tg_MachineMessage_refused_tag &&
                             reply.body.refused.reason == tg_RefuseReason_REFUSE_STATE;
       const bool is_legal = legal.find(kLetters[s]) != std::string::npos;
-      EXPECT_EQ(by_state, !is_legal) << name_of(state) << ", request " << request;
+      EXPECT_EQ(by_state, !is_legal) << state_name(state) << ", request " << request;
       if (by_state) {
         EXPECT_EQ(reply.body.refused.state, state);
-        EXPECT_STREQ(reply.body.refused.detail, name_of(state));
+        EXPECT_STREQ(reply.body.refused.detail, state_name(state));
         EXPECT_EQ(host.controller->state(), state) << "a refused request changes nothing";
       }
       ++(by_state ? refused : taken);
@@ -130,7 +131,7 @@ TEST(Safety, LaserIsNeverOnWhereItMustNotBe) {
           reachable = transition_allowed(before, static_cast<tg_State>(via)) &&
                       transition_allowed(static_cast<tg_State>(via), now);
         }
-        ASSERT_TRUE(reachable) << name_of(before) << " to " << name_of(now);
+        ASSERT_TRUE(reachable) << state_name(before) << " to " << state_name(now);
       }
       before = now;
       visited.insert(now);

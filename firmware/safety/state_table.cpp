@@ -61,28 +61,4 @@ bool transition_allowed(tg_State from, tg_State to) {
   return (kTransitions[from] & bit(to)) != 0;
 }
 
-const char* name_of(tg_State state) {
-  switch (state) {
-    case tg_State_STATE_BOOT:
-      return "BOOT";
-    case tg_State_STATE_IDLE:
-      return "IDLE";
-    case tg_State_STATE_HOMING:
-      return "HOMING";
-    case tg_State_STATE_READY:
-      return "READY";
-    case tg_State_STATE_ARMED:
-      return "ARMED";
-    case tg_State_STATE_SCANNING:
-      return "SCANNING";
-    case tg_State_STATE_PAUSED:
-      return "PAUSED";
-    case tg_State_STATE_FAULT:
-      return "FAULT";
-    case tg_State_STATE_ESTOP:
-      return "ESTOP";
-  }
-  return "unknown";
-}
-
 }  // namespace tetragauge

@@ -17,6 +17,5 @@ bool request_allowed(tg_State state, uint32_t request);
 bool transition_allowed(tg_State from, tg_State to);
 
 // In words, for Refused.detail and logs.
-const char* name_of(tg_State state);
 
 }  // namespace tetragauge

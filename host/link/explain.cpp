@@ -8,30 +8,6 @@
 
 namespace tetragauge {
 
-std::string_view state_name(tg_State state) {
-  switch (state) {
-    case tg_State_STATE_BOOT:
-      return "BOOT";
-    case tg_State_STATE_IDLE:
-      return "IDLE";
-    case tg_State_STATE_HOMING:
-      return "HOMING";
-    case tg_State_STATE_READY:
-      return "READY";
-    case tg_State_STATE_ARMED:
-      return "ARMED";
-    case tg_State_STATE_SCANNING:
-      return "SCANNING";
-    case tg_State_STATE_PAUSED:
-      return "PAUSED";
-    case tg_State_STATE_FAULT:
-      return "FAULT";
-    case tg_State_STATE_ESTOP:
-      return "ESTOP";
-  }
-  return "a state this program does not know";
-}
-
 std::string_view explain_fault(tg_FaultCode code) {
   switch (code) {
     case tg_FaultCode_FAULT_NONE:

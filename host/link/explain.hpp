@@ -9,7 +9,6 @@
 
 namespace tetragauge {
 
-std::string_view state_name(tg_State state);
 std::string_view explain_fault(tg_FaultCode code);
 std::string_view explain_reject(uint32_t reason);
 

@@ -7,6 +7,7 @@
 
 #include "host/link/explain.hpp"
 #include "protocol/schema_hash.hpp"
+#include "protocol/state_name.hpp"
 
 namespace tetragauge {
 namespace {
@@ -158,7 +159,7 @@ Result<tg_MachineMessage> Link::request(const tg_HostMessage& message) {
   awaited_ = 0;
   if (reply_->which_body == tg_MachineMessage_refused_tag) {
     const tg_Refused& refused = reply_->body.refused;
-    return machine_error(device() + ": the machine refuses (state " + std::string(state_name(refused.state)) +
+    return machine_error(device() + ": the machine refuses (state " + state_name(refused.state) +
                          "): " + refused.detail);
   }
   return *reply_;
