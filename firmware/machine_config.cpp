@@ -200,13 +200,13 @@ MachineConfig nominal_config() {
   stage.slide_steps_per_m = 200'000;    // 5 um
   stage.has_table = stage.has_slide = true;
   // min, max, speed, acceleration, homing, latch, home, backlash
-  stage.table = {-18'000, 36'000, 9'000, 36'000, 9'000, 500, -18'100, 20};
+  stage.table = {-18'000, 36'000, 9'000, 36'000, 9'000, 500, -18'100, 20, 0};
   // Homing stops within 80 steps and backs off by another 80: the end switch, 200 below the edge, is not
   // reached.
-  stage.slide = {-200, 60'200, 20'000, 100'000, 4'000, 500, -400, 20};
+  stage.slide = {-200, 60'200, 20'000, 100'000, 4'000, 500, -400, 20, 0};
 
   // base, per mrad, max, laser, weak, flag, rail, ambient, gap mm, gap sigmas, mis-assembled after, stage
-  config.measure = {600, 40, 8'000, 100, 60, 300, 32'700, 40'000, 0.3, 8, 200, 100'000};
+  config.measure = {600, 40, 8'000, 100, 60, 300, 32'700, 40'000, 0.3, 8, 200, 100'000, 0, 0, 0};
 
   config.volume = {true, message_of(nominal.volume.min), true, message_of(nominal.volume.max)};
   return config;

@@ -70,7 +70,7 @@ TEST(Trapezoid, StopsOnTheWayWithoutAJump) {
 class AxisTest : public testing::Test {
  protected:
   AxisTest() : axis(board, Axis::kSlide, Inputs::kSlideHome) {
-    motion = {-200, 60'200, 20'000, 100'000, 4'000, 500, -400, 20};
+    motion = {-200, 60'200, 20'000, 100'000, 4'000, 500, -400, 20, 0};
     axis.configure(motion);
   }
   void finish() {
