@@ -33,6 +33,10 @@ std::string_view explain_fault(tg_FaultCode code) {
       return "nearly every spot misses its beam: geometry and machine disagree; see whether camera or head "
              "were moved, "
              "and calibrate";
+    case tg_FaultCode_FAULT_STORAGE:
+      return "the calibration store could not be written; write the calibration again, and replace the "
+             "controller "
+             "if that repeats";
   }
   return "a fault this program does not know; update it";
 }
