@@ -7,7 +7,6 @@
 #include <set>
 
 #include "firmware/optics/nominal_geometry.hpp"
-#include "firmware/scan/scan_plan.hpp"
 #include "firmware/test_host.hpp"
 #include "firmware/test_views.hpp"
 
@@ -134,82 +133,6 @@ TEST(MachineConfig, IsSetAndReadOverTheLine) {
   set.body.set_config.part.camera.focal_mm = -1;
   EXPECT_EQ(host.ask(set).body.refused.reason, tg_RefuseReason_REFUSE_OUT_OF_RANGE);
   EXPECT_EQ(host.ask(tg_HostMessage_get_status_tag).body.status.config_crc, config_crc(changed));
-}
-
-// ---------------------------------------------------------------- the plan
-
-TEST(ScanPlan, WalksBoustrophedon) {
-  tg_View view = small_view();
-  view.columns = 3;
-  view.rows = 3;
-  const int32_t a = view.a_first_urad, b = view.b_first_urad, da = view.a_step_urad, db = view.b_step_urad;
-  const int32_t expected[9][2] = {
-      {a, b},      {a + da, b},     {a + 2 * da, b},      {a + 2 * da, b + db},    {a + da, b + db},
-      {a, b + db}, {a, b + 2 * db}, {a + da, b + 2 * db}, {a + 2 * da, b + 2 * db}};
-  for (uint32_t ray = 0; ray < 9; ++ray) {
-    EXPECT_EQ(target_of(view, ray).a_urad, expected[ray][0]);
-    EXPECT_EQ(target_of(view, ray).b_urad, expected[ray][1]);
-  }
-}
-
-TEST(ScanPlan, RefusesViewsTheMachineCannotDo) {
-  const MachineConfig config = nominal_config();
-  const auto error_after = [&](void (*spoil)(tg_View&)) {
-    tg_View view = small_view();
-    spoil(view);
-    const char* error = view_error(view, config);
-    return std::string(error ? error : "");
-  };
-  EXPECT_EQ(error_after([](tg_View&) {}), "");
-  EXPECT_EQ(error_after([](tg_View& v) { v.slide_um = 301'000; }), "");
-  EXPECT_EQ(error_after([](tg_View& v) { v.slide_um = 301'010; }), "slide height beyond the soft limits");
-  EXPECT_EQ(error_after([](tg_View& v) { v.table_udeg = -180'010'000; }),
-            "table angle beyond the soft limits");
-  EXPECT_EQ(error_after([](tg_View& v) { v.rows = 0; }), "columns x rows must be 1 to 4,000,000");
-  EXPECT_EQ(error_after([](tg_View& v) { v.rows = v.columns = 100'000; }),
-            "columns x rows must be 1 to 4,000,000");
-  EXPECT_EQ(error_after([](tg_View& v) { v.samples = 5; }), "samples must be even, 2 to 4096");
-  EXPECT_EQ(error_after([](tg_View& v) { v.a_first_urad = 174'533 - 29'000; }),
-            "raster window beyond the mirrors' limit");
-  EXPECT_EQ(error_after([](tg_View& v) { v.columns = 400'000, v.rows = 1, v.a_step_urad = 2'000'000'000; }),
-            "raster window beyond the mirrors' limit")
-      << "beyond 32 bits";
-}
-
-TEST(ScanPlan, TakesChunksInOrderOnly) {
-  const MachineConfig config = nominal_config();
-  const auto plan = std::make_unique<ScanPlan>();
-  ScanPlan::Trouble trouble;
-  const auto chunk = [](uint32_t id, uint32_t first, uint32_t count, uint32_t total) {
-    tg_ScanLoad load = tg_ScanLoad_init_zero;
-    load.plan_id = id;
-    load.first_view = first;
-    load.total_views = total;
-    load.views_count = static_cast<pb_size_t>(count);
-    for (uint32_t i = 0; i < count; ++i) {
-      load.views[i] = small_view();
-      load.views[i].slide_um = static_cast<int32_t>(1000 * (first + i));
-    }
-    return load;
-  };
-  const auto load = [&](const tg_ScanLoad& one) { return plan->load(one, config, &trouble); };
-  EXPECT_EQ(load(chunk(1, 8, 2, 10)), tg_RefuseReason_REFUSE_PLAN_ORDER);
-  EXPECT_EQ(load(chunk(1, 0, 8, 10)), tg_RefuseReason_REFUSE_NONE);
-  EXPECT_FALSE(plan->complete());
-  EXPECT_EQ(load(chunk(2, 8, 2, 10)), tg_RefuseReason_REFUSE_PLAN_ORDER) << "of another plan";
-  EXPECT_EQ(load(chunk(1, 8, 3, 10)), tg_RefuseReason_REFUSE_PLAN_ORDER) << "more than announced";
-  EXPECT_EQ(load(chunk(1, 8, 2, 10)), tg_RefuseReason_REFUSE_NONE);
-  EXPECT_TRUE(plan->complete());
-  for (uint32_t i = 0; i < 10; ++i) EXPECT_EQ(plan->view(i).slide_um, static_cast<int32_t>(1000 * i));
-  EXPECT_EQ(load(chunk(0, 0, 1, 1)), tg_RefuseReason_REFUSE_OUT_OF_RANGE);
-  EXPECT_EQ(load(chunk(3, 0, 8, kMaxViews + 1)), tg_RefuseReason_REFUSE_PLAN_TOO_LONG);
-  tg_ScanLoad bad = chunk(4, 0, 5, 5);
-  bad.views[3].slide_um = 340'000;
-  EXPECT_EQ(load(bad), tg_RefuseReason_REFUSE_OUT_OF_RANGE);
-  EXPECT_EQ(trouble.view, 3u);
-  EXPECT_STREQ(trouble.what, "slide height beyond the soft limits");
-  EXPECT_TRUE(plan->complete()) << "a refused chunk changes nothing";
-  EXPECT_EQ(plan->plan_id(), 1u);
 }
 
 }  // namespace

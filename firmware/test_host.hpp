@@ -27,6 +27,11 @@ class TestHost {
   // What has come from the machine.
   std::map<uint32_t, tg_MachineMessage> replies;
   std::vector<BeamRecord> beams;
+  struct Raw {
+    size_t beams_before;
+    tg_RawSamples item;
+  };
+  std::vector<Raw> raw;
   tg_ScanEnd end = tg_ScanEnd_init_zero;
   bool ended = false;
   std::vector<tg_Fault> faults;
@@ -91,9 +96,7 @@ class TestHost {
         chunk.views_count = 0;
       }
     }
-    beams.clear();
-    items = 0;
-    ended = false;
+    begin_stream();
     return true;
   }
   bool start() {
@@ -125,6 +128,13 @@ class TestHost {
     message.which_body = tg_HostMessage_points_credit_tag;
     message.body.points_credit = {plan_id_, items, items + credit_window};
     transmit({Channel::kEvent, 0}, message);
+  }
+
+  void begin_stream() {
+    beams.clear();
+    raw.clear();
+    items = 0;
+    ended = false;
   }
 
   uint32_t crc() const {
@@ -204,6 +214,8 @@ class TestHost {
       BeamRecord records[kBatchBeams];
       const uint32_t count = beams_of_batch(message.body.points, records);
       beams.insert(beams.end(), records, records + count);
+    } else if (message.which_body == tg_MachineMessage_raw_samples_tag) {
+      raw.push_back({beams.size(), message.body.raw_samples});
     } else {
       end = message.body.scan_end;
       ended = true;

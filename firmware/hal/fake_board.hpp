@@ -82,6 +82,7 @@ class FakeBoard {
   int ambient_codes = 100, light_codes = 30'000;  // of a whole pair
   double plate_x_mm = 0;                          // the plate is the plane x = plate_x_mm
   double camera_1_shift_mm = 0;                   // on the detector: a camera out of place
+  std::function<void(PsdSample&)> spoil_sample = [](PsdSample&) {};  // noise, and whatever else goes wrong
 
   void fill_burst() {
     constexpr MachineGeometry<double> machine = nominal_geometry<double>();
@@ -103,6 +104,7 @@ class FakeBoard {
         burst[i].camera[c] = {code(0.5 - at.x_mm / half / 2), code(0.5 + at.x_mm / half / 2),
                               code(0.5 - at.y_mm / half / 2), code(0.5 + at.y_mm / half / 2)};
       }
+      spoil_sample(burst[i]);
     }
   }
 };

@@ -6,6 +6,7 @@
 // poll() the latter; the captured ray is the only thing between them. When poll() cannot store it because the
 // ring is full, the ray after it is still finished, then measuring holds: no ray is lost and the laser is
 // off.
+// A raw view's rays are measured one at a time: the next begins when every sample of the last is in the ring.
 #pragma once
 
 #include "firmware/link/stream_ring.hpp"
@@ -13,6 +14,7 @@
 #include "firmware/measure/settle.hpp"
 #include "firmware/motion/axis_mover.hpp"
 #include "firmware/safety/supervisor.hpp"
+#include "firmware/scan/raw_ray.hpp"
 #include "firmware/scan/scan_plan.hpp"
 
 namespace tetragauge {
@@ -50,6 +52,15 @@ class ScanRunner {
   bool active() const { return active_; }
   uint32_t view() const { return view_; }
   uint32_t ray() const { return ray_; }
+
+  // Mirrors as driven, and driven without a ray to measure.
+  int32_t a_urad() const { return a_code_ * kUradPerMirrorCode; }
+  int32_t b_urad() const { return b_code_ * kUradPerMirrorCode; }
+  void aim(RayTarget target) {
+    a_code_ = mirror_code(target.a_urad);
+    b_code_ = mirror_code(target.b_urad);
+    board_.set_mirrors(static_cast<int16_t>(a_code_), static_cast<int16_t>(b_code_));
+  }
 
   // Drops the ray under way; it is measured again whole when the state is SCANNING again.
   void interrupt_ray() {
@@ -132,6 +143,7 @@ class ScanRunner {
                                                     : Light::kOffAfter;
     const int32_t rail = static_cast<int32_t>(config_->measure.rail_codes);
     for (uint32_t i = 0; i < burst_count_; ++i) samples_.add(light, burst_[i], rail);
+    if (current_view().raw) raw_.add(burst_, burst_count_);
     remaining_ -= burst_count_;
     if (remaining_ > 0) {
       take_samples(phase_, remaining_);
@@ -200,7 +212,7 @@ class ScanRunner {
       slide_um_ = slide_um(*config_, slide_.position_steps());
       builder_.start(ring_.plan_id(), view_, table_udeg_, slide_um_);
       wait(Phase::kStageSettle, config_->measure.stage_settle_us);
-    } else if (phase_ == Phase::kNextRay && !burst_running_) {
+    } else if (phase_ == Phase::kNextRay && !burst_running_ && !raw_pending()) {
       board_.mask_interrupts(true);
       start_ray();
       board_.mask_interrupts(false);
@@ -215,14 +227,12 @@ class ScanRunner {
   }
 
   void start_ray() {
-    const RayTarget target = target_of(current_view(), ray_);
-    const int32_t a_code = code_of(target.a_urad), b_code = code_of(target.b_urad);
-    const int32_t a_step = absolute(a_code - a_code_), b_step = absolute(b_code - b_code_);
-    a_code_ = a_code;
-    b_code_ = b_code;
+    const int32_t a_before = a_code_, b_before = b_code_;
     ++ray_number_;
     samples_ = {};
-    board_.set_mirrors(static_cast<int16_t>(a_code), static_cast<int16_t>(b_code));
+    if (current_view().raw) raw_.start(samples_per_phase());
+    aim(plan_->target(view_, ray_));
+    const int32_t a_step = absolute(a_code_ - a_before), b_step = absolute(b_code_ - b_before);
     const Settling settling =
         settling_of(config_->measure, kUradPerMirrorCode * (a_step > b_step ? a_step : b_step));
     settled_ = settling.enough;
@@ -235,12 +245,12 @@ class ScanRunner {
       return;
     }
     captured_ = samples_;
-    captured_place_ = {view_, ray_, a_code_ * kUradPerMirrorCode, b_code_ * kUradPerMirrorCode, settled_};
+    captured_place_ = {view_, ray_, a_urad(), b_urad(), settled_};
     have_captured_ = true;
     ++ray_;
-    if (ray_ == rays_of(current_view())) {
+    if (ray_ == plan_->rays(view_)) {
       phase_ = Phase::kViewDone;
-    } else if (supervisor_.state() == tg_State_STATE_SCANNING) {
+    } else if (supervisor_.state() == tg_State_STATE_SCANNING && !raw_pending()) {
       start_ray();
     } else {
       phase_ = Phase::kNextRay;
@@ -255,6 +265,9 @@ class ScanRunner {
       record_ = judge_ray(geometry_, config_->measure, stage, captured_place_, captured_);
       have_record_ = true;
       watch_for_failure();
+    }
+    while (raw_pending() && raw_.left() > 0) {
+      if (!push_raw()) return;
     }
     const bool first = builder_.empty();
     if (!builder_.add(record_)) {
@@ -279,6 +292,23 @@ class ScanRunner {
     if (record_.reason == 0) inconsistent_ = 0;
     if (railed_ >= kRailedRays) found_ = tg_FaultCode_FAULT_SIGNAL;
     if (inconsistent_ >= config_->measure.misassembled_after) found_ = tg_FaultCode_FAULT_MISASSEMBLED;
+  }
+
+  // A captured ray whose samples leave with it.
+  bool raw_pending() const { return have_captured_ && plan_->view(captured_place_.view).raw; }
+
+  // False when the ring is full.
+  bool push_raw() {
+    if (ring_.full()) return false;
+    item_ = tg_MachineMessage_init_zero;
+    item_.which_body = tg_MachineMessage_raw_samples_tag;
+    tg_RawSamples& message = item_.body.raw_samples;
+    message.plan_id = ring_.plan_id();
+    message.view = captured_place_.view;
+    message.ray = captured_place_.ray;
+    raw_.take(&message);
+    ring_.push(item_);
+    return true;
   }
 
   // False when the ring is full.
@@ -310,10 +340,6 @@ class ScanRunner {
   }
 
   static int32_t absolute(int32_t x) { return x < 0 ? -x : x; }
-  static int32_t code_of(int32_t urad) {
-    const int32_t half = kUradPerMirrorCode / 2;
-    return (urad + (urad < 0 ? -half : half)) / kUradPerMirrorCode;
-  }
 
   B& board_;
   Supervisor<B>& supervisor_;
@@ -343,6 +369,7 @@ class ScanRunner {
 
   volatile bool have_captured_ = false;
   RaySamples captured_;
+  RawRay<kMaxRawSamples> raw_;
   RayPlace captured_place_;
   bool have_record_ = false;
   BeamRecord record_;
