@@ -2,11 +2,12 @@
 #include "boards/emulated/emulated_board.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace tetragauge {
 
-EmulatedBoard::EmulatedBoard(sim::World& world, HostLine& line, uint32_t boot_id)
-    : world_(world), line_(line), boot_id_(boot_id) {}
+EmulatedBoard::EmulatedBoard(sim::World& world, HostLine& line, Storage& store, uint32_t boot_id)
+    : world_(world), line_(line), store_(store), boot_id_(boot_id) {}
 
 // A burst sees mirrors and laser as they are at each sample's own time, so samples due are taken before a
 // change.
@@ -50,6 +51,23 @@ uint32_t EmulatedBoard::inputs() const {
          (s.table_home ? Inputs::kTableHome : 0) | (s.slide_home ? Inputs::kSlideHome : 0) |
          (s.slide_limit_low ? Inputs::kSlideLimitLow : 0) |
          (s.slide_limit_high ? Inputs::kSlideLimitHigh : 0);
+}
+
+void EmulatedBoard::restart(bool into_bootloader) {
+  restart_ = into_bootloader ? Restart::bootloader : Restart::firmware;
+}
+
+EmulatedBoard::Restart EmulatedBoard::take_restart() {
+  const Restart wanted = std::exchange(restart_, Restart::no);
+  if (wanted != Restart::no) {
+    set_laser(false);
+    alarm_ns_ = burst_end_ns_ = kNever;
+    step_alarm_ns_.fill(kNever);
+    burst_count_ = burst_taken_ = 0;
+    ++boot_id_;
+    reset_cause_ = tg_ResetCause_RESET_SOFTWARE;
+  }
+  return wanted;
 }
 
 EmulatedBoard::Due EmulatedBoard::next_event() const {

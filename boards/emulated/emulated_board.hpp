@@ -26,7 +26,7 @@ class EmulatedBoard {
   static constexpr uint64_t kNever = std::numeric_limits<uint64_t>::max();
 
   // `boot_id` should differ between starts; it has no influence on what is measured.
-  EmulatedBoard(sim::World& world, HostLine& line, uint32_t boot_id);
+  EmulatedBoard(sim::World& world, HostLine& line, Storage& store, uint32_t boot_id);
 
   uint32_t boot_id() const { return boot_id_; }
   uint64_t now_ns() const { return now_ns_; }
@@ -42,7 +42,17 @@ class EmulatedBoard {
   void mask_interrupts(bool) {}  // one thread: no interrupt comes while the firmware runs
   void kick_watchdog() {}        // a loop that hangs is seen by whoever waits for the program
 
+  Storage& storage() { return store_; }
+  tg_ResetCause reset_cause() const { return reset_cause_; }
+  void restart(bool into_bootloader);
+  uint32_t stack_free_bytes() const { return 0; }
+  bool self_check(tg_SelfTestCheck, tg_SelfTestItem*) { return false; }
+
   bool laser_on() const { return laser_on_; }
+
+  // For run_board(): what restart() asked for, once. The store and the world stay as they are.
+  enum class Restart { no, firmware, bootloader };
+  Restart take_restart();
 
   // For run_board(): the interrupts in order of priority, each at its time or kNever.
   enum class Event { table_step, slide_step, alarm, samples, none };
@@ -61,7 +71,10 @@ class EmulatedBoard {
 
   sim::World& world_;
   HostLine& line_;
+  Storage& store_;
   uint32_t boot_id_;
+  tg_ResetCause reset_cause_ = tg_ResetCause_RESET_POWER;
+  Restart restart_ = Restart::no;
   uint64_t now_ns_ = 0;
   bool laser_on_ = false;
   uint64_t alarm_ns_ = kNever, burst_end_ns_ = kNever;

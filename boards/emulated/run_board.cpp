@@ -67,7 +67,7 @@ void dispatch(Firmware& firmware, EmulatedBoard::Event event) {
 
 void run_board(EmulatedBoard& board, HostLine& line, const std::atomic<bool>& stop,
                const PaceOptions& options) {
-  const auto firmware = std::make_unique<Firmware>(board);
+  auto firmware = std::make_unique<Firmware>(board);
   firmware->begin();
   Pace pace(options.speed.value_or(1.0)), silent_pace(1.0);
   bool silent = false;
@@ -75,6 +75,16 @@ void run_board(EmulatedBoard& board, HostLine& line, const std::atomic<bool>& st
   bool was_waiting = false;
 
   while (!stop && !line.closed()) {
+    switch (board.take_restart()) {
+      case EmulatedBoard::Restart::no:
+        break;
+      case EmulatedBoard::Restart::firmware:
+        firmware = std::make_unique<Firmware>(board);
+        firmware->begin();
+        break;
+      case EmulatedBoard::Restart::bootloader:
+        return;  // gone until somebody starts it again
+    }
     const bool resting = firmware->resting();
     const bool waiting = resting || firmware->host_owes_answer();
     if (!waiting) silent = false;

@@ -20,8 +20,8 @@ struct PaceOptions {
   int silence_after_ms = 5000;
 };
 
-// Until the host goes or `stop` is set. A machine whose host has gone switches the laser off by its own
-// time-out; here it simply ends.
+// Until the host goes, `stop` is set, or the firmware was sent into its bootloader. A reboot starts a new
+// firmware. A machine whose host has gone switches the laser off by its own time-out; here it simply ends.
 void run_board(EmulatedBoard& board, HostLine& line, const std::atomic<bool>& stop,
                const PaceOptions& pace = {});
 

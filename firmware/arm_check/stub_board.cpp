@@ -2,11 +2,13 @@
 // The controller on a board that is nothing but memory cells, to be compiled for a Cortex-M4F: what the
 // portable core needs, and nothing else, must link.
 #include "firmware/controller.hpp"
+#include "firmware/hal/memory_storage.hpp"
 
 namespace tetragauge {
 namespace {
 
-volatile uint32_t cells[16];
+volatile uint32_t cells[20];
+MemoryStorage store;
 
 struct StubBoard {
   static constexpr const char* kName = "stub";
@@ -38,6 +40,14 @@ struct StubBoard {
   }
   void mask_interrupts(bool on) { cells[14] = on; }
   void kick_watchdog() { cells[15] = 0; }
+  Storage& storage() { return store; }
+  tg_ResetCause reset_cause() const { return static_cast<tg_ResetCause>(cells[16]); }
+  void restart(bool into_bootloader) { cells[17] = into_bootloader; }
+  uint32_t stack_free_bytes() const { return cells[18]; }
+  bool self_check(tg_SelfTestCheck check, tg_SelfTestItem* item) {
+    item->value = static_cast<int32_t>(cells[19]);
+    return check == tg_SelfTestCheck_CHECK_CLOCK;
+  }
 
   PsdSample* burst = nullptr;
 };

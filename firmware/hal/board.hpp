@@ -18,6 +18,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "firmware/hal/storage.hpp"
+#include "protocol/machine.pb.h"
+
 namespace tetragauge {
 
 // One simultaneous sample of both cameras: signed converter codes, left-aligned to 16 bits (a 12-bit
@@ -50,7 +53,8 @@ struct Inputs {
 
 template <class B>
 concept Board = requires(B board, const B& constant, uint64_t time_ns, int16_t code, PsdSample* samples,
-                         uint32_t count, Axis axis, bool on, uint8_t* in, const uint8_t* out, size_t bytes) {
+                         uint32_t count, Axis axis, bool on, uint8_t* in, const uint8_t* out, size_t bytes,
+                         tg_SelfTestCheck check, tg_SelfTestItem* item) {
   { B::kName } -> std::convertible_to<const char*>;
   { B::kCapabilities } -> std::convertible_to<uint32_t>;    // tg_Capability bits
   { B::kSamplePeriodNs } -> std::convertible_to<uint32_t>;  // between samples of a burst
@@ -74,6 +78,17 @@ concept Board = requires(B board, const B& constant, uint64_t time_ns, int16_t c
     board.mask_interrupts(on)
     } -> std::same_as<void>;  // alarm, samples, interlock, step timers; never nested
   { board.kick_watchdog() } -> std::same_as<void>;
+
+  // Cold parts.
+  { board.storage() } -> std::same_as<Storage&>;
+  { constant.reset_cause() } -> std::same_as<tg_ResetCause>;  // why the firmware started
+  // The line is flushed. A chip does not come back from it; an emulated board starts a new firmware when the
+  // controller has returned, and the controller does nothing more.
+  { board.restart(on) } -> std::same_as<void>;                // true: into the chip's bootloader
+  { constant.stack_free_bytes() } -> std::same_as<uint32_t>;  // never used since start-up; 0: cannot tell
+  // What only the board can check, CHECK_CLOCK and CHECK_TRANSPORT: result, value and limit into the item.
+  // False: the board has no such check.
+  { board.self_check(check, item) } -> std::same_as<bool>;
 };
 
 }  // namespace tetragauge

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "firmware/hal/board.hpp"
+#include "firmware/hal/memory_storage.hpp"
 #include "firmware/optics/galvo.hpp"
 #include "firmware/optics/nominal_geometry.hpp"
 #include "firmware/optics/psd_camera.hpp"
@@ -64,10 +65,15 @@ class FakeBoard {
   }
   void mask_interrupts(bool) {}
   void kick_watchdog() { ++kicks; }
+  Storage& storage() { return store; }
+  tg_ResetCause reset_cause() const { return tg_ResetCause_RESET_POWER; }
+  void restart(bool into_bootloader) { (into_bootloader ? bootloader_asked : restart_asked) = true; }
+  uint32_t stack_free_bytes() const { return 0; }
+  bool self_check(tg_SelfTestCheck, tg_SelfTestItem*) { return false; }
 
   uint64_t now = 0, alarm = kNever, burst_end = kNever, step_alarm[kAxes] = {kNever, kNever};
   int16_t mirror_a = 0, mirror_b = 0;
-  bool laser = false, stuck_converter = false;
+  bool laser = false, stuck_converter = false, restart_asked = false, bootloader_asked = false;
   uint32_t times_laser_on = 0;
   std::function<void()> when_laser_goes_on = [] {};
   PsdSample* burst = nullptr;
@@ -79,6 +85,7 @@ class FakeBoard {
   std::vector<uint8_t> from_machine;
   size_t line_room = 4096;  // taken at each write
   uint64_t kicks = 0;
+  MemoryStorage store;
   int ambient_codes = 100, light_codes = 30'000;  // of a whole pair
   double plate_x_mm = 0;                          // the plate is the plane x = plate_x_mm
   double camera_1_shift_mm = 0;                   // on the detector: a camera out of place

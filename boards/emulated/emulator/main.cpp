@@ -11,12 +11,15 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <random>
 #include <string>
 
+#include "boards/emulated/file_storage.hpp"
 #include "boards/emulated/listen.hpp"
 #include "boards/emulated/run_board.hpp"
+#include "firmware/hal/memory_storage.hpp"
 #include "host/solid/solid.hpp"
 #include "sim/read_world.hpp"
 
@@ -30,7 +33,7 @@ void ask_to_stop(int) {
 }
 
 struct Options {
-  std::string part, listen = "pty", speed = "max", place, world;
+  std::string part, listen = "pty", speed = "max", place, world, store;
   uint64_t seed = 1;
   bool one_host = false, own_folder = false;
 };
@@ -79,6 +82,15 @@ Status run(const Options& options) {
   const auto standing = sim::stand_on_table(*model, place, options.part);
   if (!standing) return standing.error();
 
+  MemoryStorage forgotten;
+  std::unique_ptr<FileStorage> lasting;
+  if (!options.store.empty()) {
+    auto opened = FileStorage::open(options.store);
+    if (!opened) return opened.error();
+    lasting = *std::move(opened);
+  }
+  Storage& store = lasting ? static_cast<Storage&>(*lasting) : forgotten;
+
   const auto listening = start_listening(options.listen);
   if (!listening) return listening.error();
   at_end.socket = listening->socket_path;
@@ -88,7 +100,7 @@ Status run(const Options& options) {
 
   HostLine line({.listener_fd = listening->listener_fd, .fd = listening->fd, .one_host = options.one_host});
   sim::World world(setup, *standing, options.seed);
-  EmulatedBoard board(world, line, std::random_device{}());
+  EmulatedBoard board(world, line, store, std::random_device{}());
   run_board(board, line, stop_asked, *pace);
   return Done{};
 }
@@ -104,6 +116,7 @@ int emulator_main(int argc, char** argv) {
   app.add_option("--place", options.place,
                  "RX,RY,RZ,TX,TY,TZ (degrees, mm): turns the model, stands it on the table, shifts it");
   app.add_option("--world", options.world, "JSON file of a world that deviates from the nominal one");
+  app.add_option("--store", options.store, "file of the machine's calibration store; without, it forgets");
   app.add_flag("--one-host", options.one_host,
                "end when the first host has gone, or when the program that started this one has");
   app.add_flag("--own-folder", options.own_folder,
