@@ -71,6 +71,10 @@ const char* error_of(const tg_CameraConfig& camera) {
   }
   if (!finite(camera.centre_x_mm) || !finite(camera.centre_y_mm))
     return "camera: electrical centre is no number";
+  if (camera.detector != tg_DetectorType_DETECTOR_DUOLATERAL &&
+      camera.detector != tg_DetectorType_DETECTOR_TETRALATERAL) {
+    return "camera: detector is of a type unknown to this firmware";
+  }
   for (int i = 0; i < kDistortionTerms; ++i) {
     const double x = camera.distortion_x[i], y = camera.distortion_y[i];
     // A tenth of the detector: beyond, inverting the distortion is not certain to converge.
@@ -131,6 +135,8 @@ const char* error_of(const tg_MeasureConfig& measure) {
     return "measure: gap_mm and gap_sigmas must lie between 0 and 1000";
   }
   if (measure.misassembled_after == 0) return "measure: misassembled_after must not be 0";
+  if (measure.trim_permille > 250) return "measure: trim_permille must be at most 250";
+  if (measure.stable_max_us > 1'000'000) return "measure: stable_max_us must be at most 1,000,000";
   return nullptr;
 }
 
@@ -278,6 +284,48 @@ bool get_part(const MachineConfig& config, tg_ConfigPart part, tg_Config* out) {
     default:
       return false;
   }
+}
+
+tg_Calibration calibration_of(const MachineConfig& config) {
+  tg_Calibration calibration = tg_Calibration_init_zero;
+  calibration.has_galvo = calibration.has_camera_1 = calibration.has_camera_2 = true;
+  calibration.has_stage = calibration.has_measure = calibration.has_volume = true;
+  calibration.galvo = config.galvo;
+  calibration.camera_1 = config.camera[0];
+  calibration.camera_2 = config.camera[1];
+  calibration.stage = config.stage;
+  calibration.measure = config.measure;
+  calibration.volume = config.volume;
+  return calibration;
+}
+
+const char* calibration_error(const tg_Calibration& calibration) {
+  if (!calibration.has_galvo || !calibration.has_camera_1 || !calibration.has_camera_2 ||
+      !calibration.has_stage || !calibration.has_measure || !calibration.has_volume) {
+    return "calibration: a part is missing";
+  }
+  if (calibration.id[0] == '\0') return "calibration: needs an id";
+  if (calibration.camera_1.index != 0 || calibration.camera_2.index != 1) {
+    return "calibration: camera_1 has index 0, camera_2 index 1";
+  }
+  const char* errors[] = {error_of(calibration.galvo),    error_of(calibration.camera_1),
+                          error_of(calibration.camera_2), error_of(calibration.stage),
+                          error_of(calibration.measure),  error_of(calibration.volume)};
+  for (const char* error : errors) {
+    if (error != nullptr) return error;
+  }
+  return nullptr;
+}
+
+MachineConfig config_of(const tg_Calibration& calibration) {
+  MachineConfig config;
+  config.galvo = calibration.galvo;
+  config.camera[0] = calibration.camera_1;
+  config.camera[1] = calibration.camera_2;
+  config.stage = calibration.stage;
+  config.measure = calibration.measure;
+  config.volume = calibration.volume;
+  return config;
 }
 
 uint32_t config_crc(const MachineConfig& config) {

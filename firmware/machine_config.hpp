@@ -29,6 +29,12 @@ const char* config_error(const tg_Config& part);
 void set_part(MachineConfig* config, const tg_Config& part);
 bool get_part(const MachineConfig& config, tg_ConfigPart part, tg_Config* out);
 
+// The whole of it as a calibration record carries it; its id and u_cal_100nm are the calibrator's.
+tg_Calibration calibration_of(const MachineConfig& config);
+// Null when every part is there and good, else what is wrong.
+const char* calibration_error(const tg_Calibration& calibration);
+MachineConfig config_of(const tg_Calibration& calibration);
+
 // CRC-32C over the encoded parts in order of ConfigPart: the identity of a configuration.
 uint32_t config_crc(const MachineConfig& config);
 

@@ -7,8 +7,9 @@
 namespace tetragauge {
 namespace {
 
-size_t encode_fields(const pb_msgdesc_t* fields, const void* message, uint8_t* payload) {
-  pb_ostream_t stream = pb_ostream_from_buffer(payload, kFramePayloadBytes);
+size_t encode_fields(const pb_msgdesc_t* fields, const void* message, uint8_t* payload,
+                     size_t capacity = kFramePayloadBytes) {
+  pb_ostream_t stream = pb_ostream_from_buffer(payload, capacity);
   return pb_encode(&stream, fields, message) ? stream.bytes_written : 0;
 }
 
@@ -39,6 +40,15 @@ size_t encode_payload(const tg_MachineMessage& message, uint8_t* payload) {
 
 size_t encode_payload(const tg_Config& part, uint8_t* payload) {
   return encode_fields(tg_Config_fields, &part, payload);
+}
+
+size_t encode_calibration(const tg_Calibration& calibration, uint8_t* record) {
+  return encode_fields(tg_Calibration_fields, &calibration, record, tg_Calibration_size);
+}
+
+bool decode_calibration(const uint8_t* record, size_t bytes, tg_Calibration* calibration) {
+  pb_istream_t stream = pb_istream_from_buffer(record, bytes);
+  return pb_decode(&stream, tg_Calibration_fields, calibration);
 }
 
 bool decode_message(const Frame& frame, tg_HostMessage* message) {

@@ -22,6 +22,11 @@ size_t encode_payload(const tg_MachineMessage& message, uint8_t* payload);
 size_t encode_payload(const tg_Config& part, uint8_t* payload);
 static_assert(tg_Config_size <= kFramePayloadBytes - 8, "a part of the configuration fits a frame");
 
+// The record that CalibrationWrite carries in chunks; `record` must hold tg_Calibration_size bytes. 0 when it
+// cannot be encoded (an id without its end).
+size_t encode_calibration(const tg_Calibration& calibration, uint8_t* record);
+bool decode_calibration(const uint8_t* record, size_t bytes, tg_Calibration* calibration);
+
 // False when the payload is not such a message or holds none.
 bool decode_message(const Frame& frame, tg_HostMessage* message);
 bool decode_message(const Frame& frame, tg_MachineMessage* message);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Frames in and out of the board's byte line. One frame is on its way out at a time; what goes next: a reply,
-// a fault, a heartbeat, a stream item.
+// a fault, a heartbeat, a log line, a stream item.
 #pragma once
 
 #include "firmware/hal/board.hpp"
+#include "firmware/link/log_queue.hpp"
 #include "firmware/link/obligations.hpp"
 #include "firmware/link/reply_cache.hpp"
 #include "firmware/link/stream_ring.hpp"
@@ -27,22 +28,45 @@ class HostLink {
         if (read_end_ == 0) return false;
       }
       while (read_at_ < read_end_) {
-        if (reader_.push(input_[read_at_++])) return true;
+        if (!reader_.push(input_[read_at_++])) continue;
+        ++frames_in_;
+        return true;
       }
     }
     return false;
   }
   const Frame& frame() const { return reader_.frame(); }
   uint32_t bad_frames() const { return reader_.bad_frames(); }
+  uint32_t frames_in() const { return frames_in_; }
+  uint32_t frames_out() const { return frames_out_; }
+  uint32_t repeated_requests() const { return repeated_requests_; }
+  uint32_t logs_dropped() const { return logs_.dropped(); }
 
-  // The answer given before to this very request is sent again.
+  // The answer given before to this very request is sent again; one whose answer is still being worked out
+  // gets it then.
   bool replied_before(const Frame& request) {
-    const uint8_t* wire = cache_.find(request.header.id, crc_of(request), &reply_bytes_);
+    const uint32_t crc = crc_of(request);
+    const bool pending = reply_pending_ && pending_id_ == request.header.id && pending_crc_ == crc;
+    const uint8_t* wire = cache_.find(request.header.id, crc, &reply_bytes_);
     if (wire != nullptr) reply_ = wire;
-    return wire != nullptr;
+    if (wire == nullptr && !pending) return false;
+    ++repeated_requests_;
+    return true;
   }
   void reply(const Frame& request, const tg_MachineMessage& message) {
     reply_ = cache_.store(request.header.id, crc_of(request), message, &reply_bytes_);
+  }
+  // A request that takes time: at most one. Its reply goes out with reply_to_pending(), which must wait while
+  // an earlier reply is on its way (can_reply).
+  void answer_later(const Frame& request) {
+    reply_pending_ = true;
+    pending_id_ = request.header.id;
+    pending_crc_ = crc_of(request);
+  }
+  bool can_reply() const { return reply_bytes_ == 0; }
+  void reply_to_pending(const tg_MachineMessage& message) {
+    reply_pending_ = false;
+    reply_ = cache_.store(pending_id_, pending_crc_, message, &reply_bytes_);
   }
   void forget_replies() { cache_.forget(); }
 
@@ -65,6 +89,10 @@ class HostLink {
     heartbeat_bytes_ = encode_message({Channel::kEvent, event_count_++}, event_, heartbeat_wire_);
   }
 
+  // `text` is a literal. Kept until a host is there; the newest are dropped, and counted, when it does not
+  // listen.
+  void log(tg_LogLevel level, const char* text) { logs_.add(level, board_.now_ns() / 1000, text); }
+
   void fault(const tg_Fault& fault) {
     event_ = tg_MachineMessage_init_zero;
     event_.which_body = tg_MachineMessage_fault_tag;
@@ -79,16 +107,21 @@ class HostLink {
       if (taken == 0) return;
       out_at_ += taken;
       if (out_at_ < out_bytes_) continue;
+      ++frames_out_;
       if (out_is_item_) obligations_.item_sent(ring_.sent());
       if (out_is_heartbeat_) obligations_.heartbeat_sent(heartbeat_counter_);
     }
   }
-  bool sending() const { return out_at_ < out_bytes_ || reply_bytes_ + fault_bytes_ + heartbeat_bytes_ > 0; }
+  bool sending() const {
+    return out_at_ < out_bytes_ || reply_bytes_ + fault_bytes_ + heartbeat_bytes_ > 0 || log_waits();
+  }
 
   Obligations& obligations() { return obligations_; }
   const Obligations& obligations() const { return obligations_; }
 
  private:
+  bool log_waits() const { return heartbeats_ && !logs_.empty(); }
+
   static uint32_t crc_of(const Frame& frame) { return crc32c(frame.payload, frame.payload_bytes); }
 
   bool next_frame() {
@@ -101,6 +134,12 @@ class HostLink {
     } else if (heartbeat_bytes_ > 0) {
       out_is_heartbeat_ = true;
       put_out(heartbeat_wire_, &heartbeat_bytes_);
+    } else if (log_waits()) {
+      event_ = tg_MachineMessage_init_zero;
+      event_.which_body = tg_MachineMessage_log_tag;
+      logs_.take(&event_.body.log);
+      out_bytes_ = encode_message({Channel::kEvent, event_count_++}, event_, out_);
+      out_at_ = 0;
     } else if (ring_.next_to_send(&item)) {
       out_is_item_ = true;
       out_bytes_ = ring_.encode(item, out_);
@@ -125,10 +164,15 @@ class HostLink {
   uint8_t input_[64] = {};
   size_t read_at_ = 0, read_end_ = 0;
 
+  uint32_t frames_in_ = 0, frames_out_ = 0, repeated_requests_ = 0;
+
   ReplyCache cache_;
+  bool reply_pending_ = false;
+  uint32_t pending_id_ = 0, pending_crc_ = 0;
   const uint8_t* reply_ = nullptr;
   size_t reply_bytes_ = 0;
 
+  LogQueue logs_;
   tg_MachineMessage event_ = tg_MachineMessage_init_zero;
   uint32_t event_count_ = 0;
   uint8_t fault_wire_[kFrameWireBytes] = {}, heartbeat_wire_[kFrameWireBytes] = {};

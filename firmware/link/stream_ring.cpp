@@ -14,6 +14,7 @@ bool StreamRing::push(const tg_MachineMessage& item) {
   slot.bytes = static_cast<uint16_t>(encode_payload(item, slot.payload));
   if (slot.bytes == 0) return false;
   ++next_;
+  if (next_ - acked_ > most_kept_) most_kept_ = next_ - acked_;
   return true;
 }
 
@@ -34,6 +35,7 @@ bool StreamRing::next_to_send(uint32_t* item) {
   if (again_first_ < acked_) again_first_ = acked_;
   if (again_first_ < again_end_) {
     *item = again_first_++;
+    ++items_resent_;
     return true;
   }
   if (sent_ < next_ && sent_ < granted_) {

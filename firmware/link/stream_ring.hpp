@@ -33,6 +33,10 @@ class StreamRing {
   uint32_t sent() const { return sent_; }       // items 0 .. sent - 1 have been sent at least once
   uint32_t acked() const { return acked_; }
 
+  // Since start-up.
+  uint32_t most_kept() const { return most_kept_; }
+  uint32_t items_resent() const { return items_resent_; }
+
  private:
   struct Slot {
     uint16_t bytes = 0;
@@ -42,6 +46,7 @@ class StreamRing {
   uint32_t plan_id_ = 0;
   uint32_t next_ = 0, sent_ = 0, acked_ = 0, granted_ = 0;
   uint32_t again_first_ = 0, again_end_ = 0;
+  uint32_t most_kept_ = 0, items_resent_ = 0;
 };
 
 }  // namespace tetragauge

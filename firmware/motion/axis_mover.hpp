@@ -31,19 +31,27 @@ class AxisMover {
   // What went wrong since the last start of a move; none when the move is good.
   tg_FaultCode fault() const { return fault_; }
 
+  // Steps that were computed after their time, since start-up.
+  uint32_t steps_late() const { return steps_late_; }
+
   // Within the soft limits (the caller has checked).
-  void move_to(int64_t target) {
-    fault_ = tg_FaultCode_FAULT_NONE;
-    target_ = target;
-    if (target == position_) return;
-    const int64_t backlash = motion_.backlash_steps;
-    if (target < position_ && backlash > 0) {
-      task_ = Task::kMoveBelow;
-      start(target - backlash, motion_.speed);
-    } else {
-      task_ = Task::kMove;
-      start(target, motion_.speed);
+  void move_to(int64_t target) { move_to(target, motion_.speed); }
+  // At another speed, and within the axis' whole travel when its position is not known.
+  void jog_to(int64_t target) {
+    const int64_t low = position_ - travel(), high = position_ + travel();
+    move_to(target < low ? low : target > high ? high : target, motion_.homing_speed);
+  }
+
+  // Slows down and ends where that takes it (going up, as every move); the position stays known. Homing goes
+  // on.
+  void stop() {
+    board_.mask_interrupts(true);
+    if (task_ == Task::kMove || task_ == Task::kMoveBelow) {
+      move_.stop_after(done_);
+      const int64_t left = done_ < move_.steps() ? move_.steps() - done_ : 0;
+      if (task_ == Task::kMoveBelow) target_ = position_ - left + motion_.backlash_steps;
     }
+    board_.mask_interrupts(false);
   }
 
   void home() {
@@ -88,6 +96,21 @@ class AxisMover {
  private:
   enum class Task : uint8_t { kRest, kMoveBelow, kMove, kSeek, kSeekStopping, kBackOff, kLatch };
 
+  void move_to(int64_t target, uint32_t speed) {
+    fault_ = tg_FaultCode_FAULT_NONE;
+    target_ = target;
+    target_speed_ = speed;
+    if (target == position_) return;
+    const int64_t backlash = motion_.backlash_steps;
+    if (target < position_ && backlash > 0) {
+      task_ = Task::kMoveBelow;
+      start(target - backlash, speed);
+    } else {
+      task_ = Task::kMove;
+      start(target, speed);
+    }
+  }
+
   bool at_home() const { return (board_.inputs() & home_input_) != 0; }
   int64_t travel() const { return int64_t{motion_.max_steps} - motion_.home_steps + 2 * past_edge(); }
   // Far enough below the edge to be at full latch speed, and backlash taken up, when it opens.
@@ -108,6 +131,7 @@ class AxisMover {
 
   void wait_for_next_step() {
     due_ns_ = start_ns_ + move_.step_time_ns(done_ + 1);
+    if (board_.now_ns() > due_ns_) ++steps_late_;
     board_.set_step_alarm_ns(axis_, due_ns_);
   }
 
@@ -120,7 +144,7 @@ class AxisMover {
     switch (task_) {
       case Task::kMoveBelow:
         task_ = Task::kMove;
-        start(target_, motion_.speed);
+        start(target_, target_speed_);
         break;
       case Task::kSeek:
         stop(tg_FaultCode_FAULT_HOME_NOT_FOUND);
@@ -181,6 +205,8 @@ class AxisMover {
   uint64_t start_ns_ = 0, due_ns_ = 0;
   int64_t position_ = 0;
   int64_t target_ = 0;
+  uint32_t target_speed_ = 0;
+  uint32_t steps_late_ = 0;
   uint32_t latches_ = 0;
   int64_t sum_ = 0, low_ = 0, high_ = 0;
   uint32_t home_spread_ = 0;

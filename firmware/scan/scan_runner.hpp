@@ -20,8 +20,9 @@
 namespace tetragauge {
 
 inline constexpr uint64_t kBatchAgeNs =
-    500'000'000;                              // a batch is sent at latest so long after its first beam
-inline constexpr uint32_t kRailedRays = 100;  // so many in a row on a rail in the dark: FAULT_SIGNAL
+    500'000'000;                               // a batch is sent at latest so long after its first beam
+inline constexpr uint32_t kRailedRays = 100;   // so many in a row on a rail in the dark: FAULT_SIGNAL
+inline constexpr uint32_t kRejectReasons = 8;  // room in Stats
 inline constexpr uint64_t kNever = ~uint64_t{0};
 
 template <Board B>
@@ -61,6 +62,14 @@ class ScanRunner {
     b_code_ = mirror_code(target.b_urad);
     board_.set_mirrors(static_cast<int16_t>(a_code_), static_cast<int16_t>(b_code_));
   }
+
+  // The converter works on a burst: nobody else may start one.
+  bool sampling() const { return burst_running_; }
+  // Since start-up; by RejectReason.
+  struct Tally {
+    uint32_t points = 0, unsettled = 0, rejected[kRejectReasons] = {};
+  };
+  const Tally& tally() const { return tally_; }
 
   // Drops the ray under way; it is measured again whole when the state is SCANNING again.
   void interrupt_ray() {
@@ -111,7 +120,7 @@ class ScanRunner {
   }
 
   uint64_t next_poll_ns() const {
-    uint64_t next = burst_running_ ? burst_deadline_ns_ + 1 : kNever;
+    uint64_t next = active_ && burst_running_ ? burst_deadline_ns_ + 1 : kNever;
     if (active_ && !builder_.empty() && !ring_.full() && batch_due_ns_ < next) next = batch_due_ns_;
     return next;
   }
@@ -279,6 +288,8 @@ class ScanRunner {
     }
     crc_ = crc_of_beam(record_, crc_);
     ++(record_.reason == 0 ? points_ : rejected_);
+    ++(record_.reason == 0 ? tally_.points : tally_.rejected[record_.reason % kRejectReasons]);
+    if (record_.reason == 0 && (record_.flags & tg_PointFlag_POINT_UNSETTLED)) ++tally_.unsettled;
     board_.mask_interrupts(true);
     have_record_ = false;
     have_captured_ = false;
@@ -378,6 +389,7 @@ class ScanRunner {
   uint64_t batch_due_ns_ = 0;
   tg_MachineMessage item_ = tg_MachineMessage_init_zero;
   uint32_t points_ = 0, rejected_ = 0, crc_ = 0;
+  Tally tally_;
   uint32_t inconsistent_ = 0, railed_ = 0;
 };
 
