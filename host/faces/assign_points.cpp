@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "host/faces/assign_points.hpp"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -34,7 +37,8 @@ class Assigner {
         planes_(std::move(regions.planes)),
         scale_(planes_.size(), 1.0),
         vertex_face_(std::move(regions.vertex_region)),
-        point_face_(scan.size(), kNoRegion) {}
+        point_face_(scan.size(), kNoRegion),
+        point_side_(scan.size(), kNoRegion) {}
 
   FittedFaces run(int rounds) {
     for (int round = 0; round < rounds; ++round) {
@@ -47,7 +51,7 @@ class Assigner {
       relabel_vertices();
       if (!changed && !dropped) break;
     }
-    return {std::move(fits_), std::move(point_face_), std::move(vertex_face_)};
+    return {std::move(fits_), std::move(point_face_), std::move(point_side_), std::move(vertex_face_)};
   }
 
  private:
@@ -153,54 +157,77 @@ class Assigner {
            (scale_[static_cast<size_t>(f)] * sigma_across(sigma_mm_[i], ray, plane.normal));
   }
 
+  enum class Hold { no, in_band, yes };
+
   // Whether a point within the gate of f may be f's in view of neighbouring face g.
-  bool holds_against(uint32_t i, int32_t f, double z_f, int32_t g) const {
+  Hold holds_against(uint32_t i, int32_t f, double z_f, int32_t g) const {
     const Plane &own = planes_[static_cast<size_t>(f)], &other = planes_[static_cast<size_t>(g)];
     const double cosine = own.normal.dot(other.normal);
     const double z_g = deviation(i, g);
     const Edge edge = std::abs(cosine) > kSameDirection ? Edge::unknown : edge_between(f, g);
-    if (edge == Edge::unknown) return z_g > kGate || z_f < z_g || (z_f == z_g && f < g);
+    const auto hold = [](bool holds) { return holds ? Hold::yes : Hold::no; };
+    if (edge == Edge::unknown) return hold(z_g > kGate || z_f < z_g || (z_f == z_g && f < g));
     const Vec3 ray = scan_.ray_direction(i);
     const Vec3 hit = scan_.points[i] - ray * (own.distance(scan_.points[i]) / own.normal.dot(ray));
     const double outside = other.distance(hit) / std::sqrt(1 - cosine * cosine);  // from the edge, in f
-    if (std::abs(outside) < band_mm_) return false;
-    return z_g > kGate || (edge == Edge::convex ? outside < 0 : outside > 0);
+    const Hold side = hold(z_g > kGate || (edge == Edge::convex ? outside < 0 : outside > 0));
+    return side == Hold::yes && std::abs(outside) < band_mm_ ? Hold::in_band : side;
   }
 
-  int32_t face_of(uint32_t i) const {
-    int32_t best = kNoRegion;
-    double best_z = kGate;
+  struct Assignment {
+    int32_t face = kNoRegion;  // whose fit it takes part in
+    int32_t side = kNoRegion;  // whose side of the edges it lies on, band or not
+  };
+
+  Assignment assignment_of(uint32_t i) const {
+    Assignment best;
+    double best_z = kGate, best_side_z = kGate;
     const std::span<const int32_t> near = candidates(reconstruction_.point_vertex[i]);
     for (int32_t f : near) {
       const double z = deviation(i, f);
-      if (!(z <= best_z)) continue;
-      const bool holds = std::all_of(near.begin(), near.end(),
-                                     [&](int32_t g) { return g == f || holds_against(i, f, z, g); });
-      if (!holds) continue;
-      best = f;
-      best_z = z;
+      if (!(z <= best_z) && !(z <= best_side_z)) continue;
+      Hold hold = Hold::yes;
+      for (int32_t g : near) {
+        if (g != f) hold = std::min(hold, holds_against(i, f, z, g));
+      }
+      if (hold == Hold::yes && z <= best_z) {
+        best.face = f;
+        best_z = z;
+      }
+      if (hold != Hold::no && z <= best_side_z) {
+        best.side = f;
+        best_side_z = z;
+      }
     }
     return best;
   }
 
   bool assign() {
+    std::vector<Assignment> assigned(scan_.size());
+    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, static_cast<uint32_t>(scan_.size()), 4096),
+                      [&](const auto& range) {
+                        for (uint32_t i = range.begin(); i < range.end(); ++i) assigned[i] = assignment_of(i);
+                      });
     bool changed = false;
     for (uint32_t i = 0; i < scan_.size(); ++i) {
-      const int32_t face = face_of(i);
-      changed = changed || face != point_face_[i];
-      point_face_[i] = face;
+      changed = changed || assigned[i].face != point_face_[i];
+      point_face_[i] = assigned[i].face;
+      point_side_[i] = assigned[i].side;
     }
     return changed;
   }
 
   void fit() {
     std::vector<std::vector<uint32_t>> members(planes_.size());
+    std::vector<size_t> on_its_side(planes_.size(), 0);
     for (uint32_t i = 0; i < scan_.size(); ++i) {
       if (point_face_[i] != kNoRegion) members[static_cast<size_t>(point_face_[i])].push_back(i);
+      if (point_side_[i] != kNoRegion) ++on_its_side[static_cast<size_t>(point_side_[i])];
     }
     fits_.assign(planes_.size(), {});
     for (size_t f = 0; f < planes_.size(); ++f) {
-      if (members[f].size() < min_points_) continue;
+      // Points in the band lie on the face too; they only do not take part in its fit.
+      if (on_its_side[f] < min_points_ || 2 * members[f].size() < min_points_) continue;
       const auto fitted = fit_members(scan_, sigma_mm_, members[f], planes_[f].normal);
       if (!fitted) continue;
       fits_[f] = *fitted;
@@ -228,6 +255,7 @@ class Assigner {
       if (f != kNoRegion) f = new_index[static_cast<size_t>(f)];
     };
     std::for_each(point_face_.begin(), point_face_.end(), renumber);
+    std::for_each(point_side_.begin(), point_side_.end(), renumber);
     std::for_each(vertex_face_.begin(), vertex_face_.end(), renumber);
     return dropped;
   }
@@ -275,7 +303,7 @@ class Assigner {
   std::vector<Plane> planes_;
   std::vector<PlaneFit> fits_;
   std::vector<double> scale_;  // of each face's gate: noise_scale()
-  std::vector<int32_t> vertex_face_, point_face_;
+  std::vector<int32_t> vertex_face_, point_face_, point_side_;
   static constexpr uint32_t kOwnFaceOnly = UINT32_MAX;
   std::vector<uint32_t> candidate_list_;  // per vertex, into candidates_
   std::vector<std::vector<int32_t>> candidates_;

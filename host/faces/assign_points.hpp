@@ -19,11 +19,13 @@ namespace tetragauge {
 
 struct FittedFaces {
   std::vector<PlaneFit> fits;        // outward
-  std::vector<int32_t> point_face;   // per raw point, kNoRegion: none
+  std::vector<int32_t> point_face;   // per raw point the face it was fitted to, kNoRegion: none
+  std::vector<int32_t> point_side;   // the same, or the face in whose band at an edge it lies
   std::vector<int32_t> vertex_face;  // per vertex
 };
 
-// At most `rounds` turns. Faces that lose all but fewer than `min_points` points are dropped.
+// At most `rounds` turns. Faces that lose all but fewer than `min_points` points (those in their bands among
+// them) are dropped.
 FittedFaces assign_points(const Scan& scan, const Reconstruction& reconstruction, const SurfaceGraph& graph,
                           Regions regions, size_t min_points, int rounds);
 

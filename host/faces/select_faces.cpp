@@ -110,7 +110,6 @@ class Selector {
   }
 
   // Larger neighbours explain (nearly) all its points: a strip across an edge, or a crumb of a bowed face.
-  // Larger neighbours explain (nearly) all its points: a strip across an edge, or a crumb of a bowed face.
   bool is_false_chamfer(size_t f) const {
     size_t explained = 0;
     for (uint32_t i : members_[f]) {
@@ -268,10 +267,12 @@ FittedFaces split_unconnected(const Scan& scan, const Reconstruction& reconstruc
     }
   }
   std::vector<std::vector<uint32_t>> members(face_of_piece.size());
+  std::vector<size_t> on_its_side(face_of_piece.size(), 0);
   for (uint32_t i = 0; i < scan.size(); ++i) {
     const uint32_t v = reconstruction.point_vertex[i];
-    if (fitted.point_face[i] != kNoRegion && fitted.point_face[i] == fitted.vertex_face[v])
-      members[static_cast<size_t>(piece[v])].push_back(i);
+    if (piece[v] == kNoRegion) continue;
+    if (fitted.point_face[i] == fitted.vertex_face[v]) members[static_cast<size_t>(piece[v])].push_back(i);
+    if (fitted.point_side[i] == fitted.vertex_face[v]) ++on_its_side[static_cast<size_t>(piece[v])];
   }
 
   const std::vector<double> sigma_mm = floored_sigma_mm(scan);
@@ -279,13 +280,19 @@ FittedFaces split_unconnected(const Scan& scan, const Reconstruction& reconstruc
   result.point_face.assign(scan.size(), kNoRegion);
   std::vector<int32_t> new_index(face_of_piece.size(), kNoRegion);
   for (size_t p = 0; p < members.size(); ++p) {
-    if (members[p].size() < min_points) continue;
+    if (on_its_side[p] < min_points || 2 * members[p].size() < min_points) continue;
     const Vec3 normal = fitted.fits[static_cast<size_t>(face_of_piece[p])].normal;
     const auto plane = fit_members(scan, sigma_mm, members[p], normal);
     if (!plane) continue;
     new_index[p] = static_cast<int32_t>(result.fits.size());
     for (uint32_t i : members[p]) result.point_face[i] = new_index[p];
     result.fits.push_back(*plane);
+  }
+  result.point_side.assign(scan.size(), kNoRegion);
+  for (uint32_t i = 0; i < scan.size(); ++i) {
+    const uint32_t v = reconstruction.point_vertex[i];
+    if (piece[v] != kNoRegion && fitted.point_side[i] == fitted.vertex_face[v])
+      result.point_side[i] = new_index[static_cast<size_t>(piece[v])];
   }
   result.vertex_face.assign(graph.size(), kNoRegion);
   for (uint32_t v = 0; v < graph.size(); ++v) {

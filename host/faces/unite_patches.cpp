@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "host/faces/unite_patches.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -35,7 +36,7 @@ class PatchUniter {
       p = nearest(f, q);
       q = nearest(g, p);
     }
-    return !proven_apart(a, p, q);
+    return !proven_apart(a, p, q) && !wall_between(f, g, p, q);
   }
 
  private:
@@ -67,6 +68,68 @@ class PatchUniter {
       } else if (height > noise && height < 2 * s && in_corridor(scan_.points[i])) {
         return true;
       }
+    }
+    return false;
+  }
+
+  // A face that stands across the line from p to q, somewhere above the plane.
+  struct Side {
+    double at_mm;   // from p
+    bool enters;    // its material lies beyond
+    double low_mm;  // its lowest vertex over the plane
+  };
+
+  // Something stands between p and q: on the way one enters it through one of its faces and leaves it by the
+  // next, and no ray passes below what was seen of them (that would be a bridge, not a wall).
+  bool wall_between(size_t f, size_t g, const Vec3& p, const Vec3& q) const {
+    const PlaneFit& plane = fitted_.fits[f];
+    const double s = reconstruction_.vertex_spacing_mm, length = (q - p).norm();
+    if (!(length > s)) return false;
+    const Vec3 along = (q - p) / length, beside = plane.normal.cross(along);
+    std::vector<Side> sides;
+    for (size_t h = 0; h < vertices_.size(); ++h) {
+      const double slope = fitted_.fits[h].normal.dot(along);
+      if (h == f || h == g || std::abs(slope) < 0.5) continue;
+      // Where the line crosses its plane, and whether the face reaches there from both sides: much of it may
+      // be in the shadow of the next wall.
+      Side side{-(fitted_.fits[h].normal.dot(p) - fitted_.fits[h].d_mm) / slope, slope < 0, INFINITY};
+      if (!(side.at_mm > -s && side.at_mm < length + s)) continue;
+      double left = INFINITY, right = -INFINITY;
+      for (uint32_t v : vertices_[h]) {
+        const Vec3 r = reconstruction_.vertices[v] - p;
+        const double height = plane.normal.dot(r);
+        if (height < 0) continue;
+        side.low_mm = std::min(side.low_mm, height);
+        left = std::min(left, beside.dot(r));
+        right = std::max(right, beside.dot(r));
+      }
+      if (left < s && right > -s) sides.push_back(side);
+    }
+    std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return a.at_mm < b.at_mm; });
+    for (size_t k = 0; k + 1 < sides.size(); ++k) {
+      const Side &in = sides[k], &out = sides[k + 1];
+      if (in.enters && !out.enters &&
+          !ray_passes(plane, p, along, in.at_mm, out.at_mm, std::min(in.low_mm, out.low_mm)))
+        return true;
+    }
+    return false;
+  }
+
+  // Whether a ray crosses the curtain over the line from p, between these distances and below this height.
+  bool ray_passes(const PlaneFit& plane, const Vec3& p, const Vec3& along, double from_mm, double to_mm,
+                  double below_mm) const {
+    const double margin = 0.5 * reconstruction_.vertex_spacing_mm;
+    const Vec3 beside = plane.normal.cross(along);
+    for (uint32_t i = 0; i < scan_.size(); ++i) {
+      const Vec3 r = scan_.points[i] - p, ray = scan_.ray_direction(i);
+      const double across = beside.dot(ray);
+      if (across == 0) continue;
+      const double back = beside.dot(r) / across;  // from the point back to the curtain
+      if (!(back > 0) || !(back < (scan_.points[i] - scan_.ray_origins[i]).norm())) continue;
+      const Vec3 crossing = r - back * ray;
+      const double t = along.dot(crossing), height = plane.normal.dot(crossing);
+      if (t > from_mm + margin && t < to_mm - margin && height > margin && height < below_mm - margin)
+        return true;
     }
     return false;
   }
@@ -111,6 +174,7 @@ FittedFaces unite_patches(const Scan& scan, const Reconstruction& reconstruction
     }
   };
   renumber(fitted.point_face);
+  renumber(fitted.point_side);
   renumber(fitted.vertex_face);
   std::vector<std::vector<uint32_t>> members(old_index.size());
   for (uint32_t i = 0; i < scan.size(); ++i) {
@@ -125,6 +189,7 @@ FittedFaces unite_patches(const Scan& scan, const Reconstruction& reconstruction
     result.fits.push_back(together.value_or(first));
   }
   result.point_face = std::move(fitted.point_face);
+  result.point_side = std::move(fitted.point_side);
   result.vertex_face = std::move(fitted.vertex_face);
   return result;
 }
