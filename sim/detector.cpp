@@ -55,13 +55,15 @@ int16_t DetectorElectronics::convert(double current_A, double noise) const {
   return static_cast<int16_t>(std::clamp(step, -rail_steps_, rail_steps_ - 1) * code_per_step_);
 }
 
-DetectorCodes DetectorElectronics::sample(const SpotImage& image, double lit, uint64_t key) const {
+DetectorCodes DetectorElectronics::sample(const SpotImage& image, double lit, double flash_A,
+                                          uint64_t key) const {
   // Each pair of electrodes carries the whole photocurrent, shared by the spot's place.
   const double half = 0.5 * lit * image.current_A;
   const auto [nx1, nx2] = normal_pair(combine_key(key, 0));
   const auto [ny1, ny2] = normal_pair(combine_key(key, 1));
-  return {convert(half * (1 - image.x) + ambient_A_, nx1), convert(half * (1 + image.x) + ambient_A_, nx2),
-          convert(half * (1 - image.y) + ambient_A_, ny1), convert(half * (1 + image.y) + ambient_A_, ny2)};
+  const double ambient = ambient_A_ + 0.5 * flash_A;
+  return {convert(half * (1 - image.x) + ambient, nx1), convert(half * (1 + image.x) + ambient, nx2),
+          convert(half * (1 - image.y) + ambient, ny1), convert(half * (1 + image.y) + ambient, ny2)};
 }
 
 }  // namespace tetragauge::sim

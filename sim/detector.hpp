@@ -24,9 +24,9 @@ class DetectorElectronics {
  public:
   explicit DetectorElectronics(const Numbers& numbers);
 
-  // One sample. `lit`: 0 .. 1, how far the laser is on. `key` belongs to the place, the sample and the
-  // camera.
-  DetectorCodes sample(const SpotImage& image, double lit, uint64_t key) const;
+  // One sample. `lit`: 0 .. 1, how far the laser is on. `flash_A`: ambient light above the steady one. `key`
+  // belongs to the place, the sample and the camera.
+  DetectorCodes sample(const SpotImage& image, double lit, double flash_A, uint64_t key) const;
 
  private:
   int16_t convert(double current_A, double noise) const;

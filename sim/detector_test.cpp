@@ -51,15 +51,16 @@ TEST(DetectorElectronics, CodesCarryPositionAndCurrent) {
   const DetectorElectronics electronics(quiet);
   // 1 uA through 1 MOhm is 1 V: 6553.6 steps of 5 V / 32768, shared 3 to 1 at half the half side.
   const DetectorCodes codes =
-      electronics.sample({.current_A = 1e-6, .x = 0.5, .y = -0.5, .magnification = 0.1}, 1, 0);
+      electronics.sample({.current_A = 1e-6, .x = 0.5, .y = -0.5, .magnification = 0.1}, 1, 0, 0);
   EXPECT_EQ(codes.x1, 1638);
   EXPECT_EQ(codes.x2, 4915);
   EXPECT_EQ(codes.y1, 4915);
   EXPECT_EQ(codes.y2, 1638);
   const DetectorCodes dark =
-      electronics.sample({.current_A = 1e-6, .x = 0.5, .y = -0.5, .magnification = 0.1}, 0, 0);
+      electronics.sample({.current_A = 1e-6, .x = 0.5, .y = -0.5, .magnification = 0.1}, 0, 0, 0);
   EXPECT_EQ(dark.x2, 0);
-  const DetectorCodes rail = electronics.sample({.current_A = 1, .x = 0, .y = 0, .magnification = 0.1}, 1, 0);
+  const DetectorCodes rail =
+      electronics.sample({.current_A = 1, .x = 0, .y = 0, .magnification = 0.1}, 1, 0, 0);
   EXPECT_EQ(rail.x1, 32767);
 }
 
@@ -69,7 +70,8 @@ TEST(DetectorElectronics, TwelveBitsAreLeftAligned) {
   const DetectorElectronics electronics(numbers);
   for (uint64_t key = 0; key < 20; ++key) {
     EXPECT_EQ(
-        electronics.sample({.current_A = 1e-6, .x = 0.1, .y = 0.2, .magnification = 0.1}, 1, key).x1 % 16, 0);
+        electronics.sample({.current_A = 1e-6, .x = 0.1, .y = 0.2, .magnification = 0.1}, 1, 0, key).x1 % 16,
+        0);
   }
 }
 
@@ -77,9 +79,10 @@ TEST(DetectorElectronics, NoiseIsTheHandCalculation) {
   const DetectorElectronics electronics(Numbers{});
   Statistics dark, bright;
   for (uint64_t key = 0; key < 50'000; ++key) {
-    dark.add(electronics.sample({}, 0, mix_bits(key)).x1);
+    dark.add(electronics.sample({}, 0, 0, mix_bits(key)).x1);
     bright.add(
-        electronics.sample({.current_A = 8e-6, .x = 0, .y = 0, .magnification = 0.1}, 1, mix_bits(key)).x1);
+        electronics.sample({.current_A = 8e-6, .x = 0, .y = 0, .magnification = 0.1}, 1, 0, mix_bits(key))
+            .x1);
   }
   // docs/machine.md: 1.49 steps without light; each micro-ampere adds 2 q I B R^2 = (0.48 steps)^2.
   EXPECT_NEAR(dark.deviation(), 1.49, 0.03);

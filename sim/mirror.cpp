@@ -31,6 +31,7 @@ double Mirror::reference_rad(double t_s) const {
 }
 
 Mirror::State Mirror::at(int64_t now_ns) const {
+  if (stuck_) return start_;
   const double t = static_cast<double>(now_ns - commanded_ns_) * 1e-9;
   const double way = target_rad_ - reference_start_rad_;
   const double ramp_s = std::abs(way) / dynamics_.slew_rad_s;
@@ -56,6 +57,21 @@ void Mirror::command(double target_rad, int64_t now_ns) {
   reference_start_rad_ = reference;
   target_rad_ = target_rad;
   commanded_ns_ = now_ns;
+}
+
+void Mirror::stick(int64_t now_ns) {
+  start_ = {at(now_ns).angle_rad, 0};
+  stuck_ = true;
+}
+
+void Mirror::release(int64_t now_ns) {
+  stuck_ = false;
+  commanded_ns_ = now_ns;
+  reference_start_rad_ = start_.angle_rad;
+}
+
+double Mirror::stuck_off_rad() const {
+  return stuck_ ? std::abs(target_rad_ - start_.angle_rad) : 0;
 }
 
 double Mirror::angle_rad(int64_t now_ns) const {

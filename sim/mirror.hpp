@@ -18,11 +18,16 @@ class Mirror {
  public:
   explicit Mirror(const MirrorDynamics& dynamics) : dynamics_(dynamics) {}
 
-  // A new target at `now_ns`, not earlier than any call before.
+  // Calls come in order of time. A new target:
   void command(double target_rad, int64_t now_ns);
+  // From now on it does not move, whatever it is told; then it follows again, towards its last target.
+  void stick(int64_t now_ns);
+  void release(int64_t now_ns);
   // Where the mirror is; once within 1e-8 rad (3 nm at the part) it stands exactly on its target.
   double angle_rad(int64_t now_ns) const;
   double rate_rad_s(int64_t now_ns) const;
+  // How far off its target it is stuck; 0 for one that is not.
+  double stuck_off_rad() const;
 
  private:
   struct State {
@@ -32,6 +37,7 @@ class Mirror {
   double reference_rad(double t_s) const;
 
   MirrorDynamics dynamics_;
+  bool stuck_ = false;
   int64_t commanded_ns_ = 0;
   State start_;  // at commanded_ns_
   double reference_start_rad_ = 0, target_rad_ = 0;

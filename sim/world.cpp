@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sim/world.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "sim/noise.hpp"
@@ -13,6 +15,10 @@ namespace {
 constexpr uint64_t kMirrorDraw = 1, kSpeckleDraw = 2, kSampleDraw = 16;
 // Less light than this share of the laser's is none: a thousandth of a converter step.
 constexpr double kDark = 1e-7;
+// A mirror driver reports a mirror that stands off its target by more than this for so long: longer than any
+// step takes, and less than the spacing of a usual raster (1 mm at 350 mm is 1.4 mrad).
+constexpr double kMirrorOff_rad = 1e-3;
+constexpr int64_t kMirrorOff_ns = 5'000'000;
 
 }  // namespace
 
@@ -22,10 +28,17 @@ World::World(const WorldSetup& setup, const Solid& standing_part, uint64_t seed)
             setup.numbers.table_radius_mm),
       electronics_(setup.numbers),
       seed_(seed),
-      mirror_a_(setup.numbers.mirror),
-      mirror_b_(setup.numbers.mirror),
+      mirrors_{Mirror(setup.numbers.mirror), Mirror(setup.numbers.mirror)},
       table_steps_(setup.numbers.table_start_steps),
       slide_steps_(setup.numbers.slide_start_steps) {
+  for (size_t m = 0; m < mirrors_.size(); ++m) {
+    for (const TimeSpan& span : setup.faults.mirror_stuck[m]) {
+      sticking_.push_back({span.from_ns, m, true});
+      sticking_.push_back({span.until_ns, m, false});
+    }
+  }
+  std::stable_sort(sticking_.begin(), sticking_.end(),
+                   [](const Sticking& a, const Sticking& b) { return a.time_ns < b.time_ns; });
   new_place();
 }
 
@@ -45,9 +58,27 @@ void World::new_place() {
 void World::set_mirrors(int16_t a_code, int16_t b_code, int64_t now_ns) {
   a_code_ = a_code;
   b_code_ = b_code;
-  mirror_a_.command(a_code * setup_.numbers.rad_per_mirror_code, now_ns);
-  mirror_b_.command(b_code * setup_.numbers.rad_per_mirror_code, now_ns);
+  let_mirrors_stick(now_ns);
+  mirrors_[0].command(a_code * setup_.numbers.rad_per_mirror_code, now_ns);
+  mirrors_[1].command(b_code * setup_.numbers.rad_per_mirror_code, now_ns);
+  let_mirrors_stick(now_ns);
   new_place();
+}
+
+void World::let_mirrors_stick(int64_t now_ns) {
+  for (; sticking_done_ < sticking_.size() && sticking_[sticking_done_].time_ns <= now_ns; ++sticking_done_) {
+    const Sticking& change = sticking_[sticking_done_];
+    if (change.stuck) {
+      mirrors_[change.mirror].stick(change.time_ns);
+    } else {
+      mirrors_[change.mirror].release(change.time_ns);
+    }
+  }
+  if (std::max(mirrors_[0].stuck_off_rad(), mirrors_[1].stuck_off_rad()) <= kMirrorOff_rad) {
+    mirrors_off_since_ns_.reset();
+  } else if (!mirrors_off_since_ns_) {
+    mirrors_off_since_ns_ = now_ns;
+  }
 }
 
 void World::step(Stage stage, bool up) {
@@ -67,16 +98,33 @@ void World::set_laser(bool on, int64_t now_ns) {
   laser_on_ = on;
 }
 
-Switches World::switches() const {
+Switches World::switches(int64_t now_ns) {
+  let_mirrors_stick(now_ns);
   const Numbers& n = setup_.numbers;
+  const MachineFaults& f = setup_.faults;
   return {.table_home = table_steps_ <= n.table_home_steps,
           .slide_home = slide_steps_ <= n.slide_home_steps,
-          .slide_limit_low = slide_steps_ <= n.slide_limit_low_steps,
-          .slide_limit_high = slide_steps_ >= n.slide_limit_high_steps};
+          .slide_limit_low = slide_steps_ <= n.slide_limit_low_steps || any_holds(f.limit_low, now_ns),
+          .slide_limit_high = slide_steps_ >= n.slide_limit_high_steps || any_holds(f.limit_high, now_ns),
+          .interlock_closed = !any_holds(f.interlock_open, now_ns),
+          .mirrors_good = !mirrors_off_since_ns_ || now_ns - *mirrors_off_since_ns_ < kMirrorOff_ns,
+          .laser_good = !any_holds(f.laser_failing, now_ns)};
+}
+
+int64_t World::next_switch_change_ns(int64_t now_ns) const {
+  const MachineFaults& f = setup_.faults;
+  int64_t next = std::numeric_limits<int64_t>::max();
+  for (const auto* spans : {&f.interlock_open, &f.limit_low, &f.limit_high, &f.laser_failing}) {
+    for (const TimeSpan& span : *spans) {
+      if (span.from_ns > now_ns) next = std::min(next, span.from_ns);
+      if (span.until_ns > now_ns) next = std::min(next, span.until_ns);
+    }
+  }
+  return next;
 }
 
 const SpotImages& World::spot(int64_t now_ns) {
-  const double a = mirror_a_.angle_rad(now_ns), b = mirror_b_.angle_rad(now_ns);
+  const double a = mirrors_[0].angle_rad(now_ns), b = mirrors_[1].angle_rad(now_ns);
   if (seen_.valid && a == seen_.a_rad && b == seen_.b_rad) return seen_.images;
   const Numbers& n = setup_.numbers;
   const Line beam = beam_of_mirrors(setup_.geometry, a + a_error_rad_, b + b_error_rad_);
@@ -93,11 +141,23 @@ const SpotImages& World::spot(int64_t now_ns) {
 
 World::Sample World::sample(int64_t now_ns) {
   static constexpr SpotImages kNoLight{};
-  const double on = lit(now_ns);
+  let_mirrors_stick(now_ns);
+  const MachineFaults& f = setup_.faults;
+  const bool dark = any_holds(f.laser_failing, now_ns) || any_holds(f.laser_dark, now_ns);
+  const double on = dark ? 0 : lit(now_ns);
   const SpotImages& images = on > kDark ? spot(now_ns) : kNoLight;
+  double flash_A = 0;
+  for (const Flash& flash : f.flashes) flash_A += flash.when.holds(now_ns) ? flash.current_A : 0;
   const uint64_t key = combine_key(place_key_, kSampleDraw + sample_++);
-  return {electronics_.sample(images[0], on, combine_key(key, 0)),
-          electronics_.sample(images[1], on, combine_key(key, 1))};
+  Sample codes{electronics_.sample(images[0], on, flash_A, combine_key(key, 0)),
+               electronics_.sample(images[1], on, flash_A, combine_key(key, 1))};
+  for (const RailedChannel& railed : f.railed) {
+    if (!railed.when.holds(now_ns)) continue;
+    DetectorCodes& c = codes[railed.camera];
+    int16_t* const channels[] = {&c.x1, &c.x2, &c.y1, &c.y2};
+    *channels[railed.channel] = std::numeric_limits<int16_t>::max();
+  }
+  return codes;
 }
 
 }  // namespace tetragauge::sim

@@ -12,8 +12,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <vector>
 
 #include "sim/detector.hpp"
+#include "sim/faults.hpp"
 #include "sim/mirror.hpp"
 #include "sim/numbers.hpp"
 #include "sim/part_on_table.hpp"
@@ -24,6 +27,7 @@ namespace tetragauge::sim {
 struct WorldSetup {
   TrueGeometry geometry = nominal_geometry();
   Numbers numbers;
+  MachineFaults faults;
 };
 
 enum class Stage { table, slide };
@@ -31,6 +35,8 @@ enum class Stage { table, slide };
 struct Switches {
   bool table_home = false, slide_home = false;  // closed at and below the switch's edge
   bool slide_limit_low = false, slide_limit_high = false;
+  bool interlock_closed = true;
+  bool mirrors_good = true, laser_good = true;  // as their drivers say
 };
 
 class World {
@@ -40,13 +46,16 @@ class World {
   void set_mirrors(int16_t a_code, int16_t b_code, int64_t now_ns);
   void set_laser(bool on, int64_t now_ns);
   void step(Stage stage, bool up);
-  Switches switches() const;
+  Switches switches(int64_t now_ns);
+  // The next time after `now_ns` at which a fault changes a switch; the largest value when none does.
+  int64_t next_switch_change_ns(int64_t now_ns) const;
 
   using Sample = std::array<DetectorCodes, 2>;
   Sample sample(int64_t now_ns);
 
  private:
   double lit(int64_t now_ns) const;
+  void let_mirrors_stick(int64_t now_ns);
   void new_place();
   const SpotImages& spot(int64_t now_ns);
 
@@ -55,7 +64,15 @@ class World {
   DetectorElectronics electronics_;
   uint64_t seed_;
 
-  Mirror mirror_a_, mirror_b_;
+  std::array<Mirror, 2> mirrors_;  // a, b
+  struct Sticking {
+    int64_t time_ns;
+    size_t mirror;
+    bool stuck;
+  };
+  std::vector<Sticking> sticking_;  // in order of time
+  size_t sticking_done_ = 0;
+  std::optional<int64_t> mirrors_off_since_ns_;
   int16_t a_code_ = 0, b_code_ = 0;
   bool laser_on_ = false;
   double lit_at_switch_ = 0;

@@ -114,14 +114,14 @@ TEST(World, LightFallsOffObliquelyAndWithTheLaserOff) {
 
 TEST(World, SwitchesCloseWhereTheyStand) {
   World world({}, standing_box(10, 10, 10), 1);
-  EXPECT_FALSE(world.switches().slide_home);
+  EXPECT_FALSE(world.switches(0).slide_home);
   const Numbers n;
   for (int k = n.slide_start_steps; k > n.slide_home_steps; --k) {
-    EXPECT_FALSE(world.switches().slide_home);
+    EXPECT_FALSE(world.switches(0).slide_home);
     world.step(Stage::slide, false);
   }
-  EXPECT_TRUE(world.switches().slide_home);
-  EXPECT_FALSE(world.switches().slide_limit_low);
+  EXPECT_TRUE(world.switches(0).slide_home);
+  EXPECT_FALSE(world.switches(0).slide_limit_low);
 }
 
 TEST(TrueGeometry, SpotOnTheAxisOfACameraIsInTheMiddleOfItsDetector) {

@@ -46,10 +46,10 @@ void EmulatedBoard::step(Axis axis, bool up) {
 }
 
 uint32_t EmulatedBoard::inputs() const {
-  const sim::Switches s = world_.switches();
-  return Inputs::kInterlockClosed | Inputs::kMirrorsGood | Inputs::kLaserGood |
-         (s.table_home ? Inputs::kTableHome : 0) | (s.slide_home ? Inputs::kSlideHome : 0) |
-         (s.slide_limit_low ? Inputs::kSlideLimitLow : 0) |
+  const sim::Switches s = world_.switches(world_ns());
+  return (s.interlock_closed ? Inputs::kInterlockClosed : 0) | (s.mirrors_good ? Inputs::kMirrorsGood : 0) |
+         (s.laser_good ? Inputs::kLaserGood : 0) | (s.table_home ? Inputs::kTableHome : 0) |
+         (s.slide_home ? Inputs::kSlideHome : 0) | (s.slide_limit_low ? Inputs::kSlideLimitLow : 0) |
          (s.slide_limit_high ? Inputs::kSlideLimitHigh : 0);
 }
 
@@ -77,6 +77,9 @@ EmulatedBoard::Due EmulatedBoard::next_event() const {
   };
   offer(Event::table_step, step_alarm_ns_[0]);
   offer(Event::slide_step, step_alarm_ns_[1]);
+  const int64_t change_ns = world_.next_switch_change_ns(world_ns());
+  if (change_ns < std::numeric_limits<int64_t>::max())
+    offer(Event::interlock, static_cast<uint64_t>(change_ns));
   offer(Event::alarm, alarm_ns_);
   offer(Event::samples, burst_end_ns_);
   return first;
@@ -94,6 +97,8 @@ void EmulatedBoard::take(const Due& due) {
       break;
     case Event::slide_step:
       step_alarm_ns_[1] = kNever;
+      break;
+    case Event::interlock:  // the world has changed by itself
       break;
     case Event::alarm:
       alarm_ns_ = kNever;

@@ -37,8 +37,8 @@ class EmulatedBoard {
   void set_step_alarm_ns(Axis axis, uint64_t time_ns) { step_alarm_ns_[static_cast<size_t>(axis)] = time_ns; }
   void step(Axis axis, bool up);
   uint32_t inputs() const;
-  size_t read(uint8_t* bytes, size_t capacity) { return line_.read(bytes, capacity); }
-  size_t write(const uint8_t* bytes, size_t count) { return line_.write(bytes, count); }
+  size_t read(uint8_t* bytes, size_t capacity) { return line_.read(bytes, capacity, now_ns_); }
+  size_t write(const uint8_t* bytes, size_t count) { return line_.write(bytes, count, now_ns_); }
   void mask_interrupts(bool) {}  // one thread: no interrupt comes while the firmware runs
   void kick_watchdog() {}        // a loop that hangs is seen by whoever waits for the program
 
@@ -55,7 +55,7 @@ class EmulatedBoard {
   Restart take_restart();
 
   // For run_board(): the interrupts in order of priority, each at its time or kNever.
-  enum class Event { table_step, slide_step, alarm, samples, none };
+  enum class Event { table_step, slide_step, interlock, alarm, samples, none };
   struct Due {
     Event event = Event::none;
     uint64_t time_ns = kNever;

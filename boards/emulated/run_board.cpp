@@ -18,6 +18,10 @@ using Firmware = Controller<EmulatedBoard>;
 // How long one wait may keep `stop` from being seen.
 constexpr int kWaitSlice_ms = 50;
 
+// A host may know already of the gap that an item or a heartbeat shows it. One that does not asks at once, or
+// when it finds the line quiet; longer than this it is not waited for.
+constexpr milliseconds kGuessedDebt{400};
+
 // Holds virtual time against wall time.
 class Pace {
  public:
@@ -52,6 +56,9 @@ void dispatch(Firmware& firmware, EmulatedBoard::Event event) {
     case EmulatedBoard::Event::slide_step:
       firmware.on_step_timer(Axis::kSlide);
       break;
+    case EmulatedBoard::Event::interlock:
+      firmware.on_interlock();
+      break;
     case EmulatedBoard::Event::alarm:
       firmware.on_alarm();
       break;
@@ -85,47 +92,54 @@ void run_board(EmulatedBoard& board, HostLine& line, const std::atomic<bool>& st
       case EmulatedBoard::Restart::bootloader:
         return;  // gone until somebody starts it again
     }
-    const bool resting = firmware->resting();
-    const bool waiting = resting || firmware->host_owes_answer();
+    // A machine that rests lets time stand still, unless the line is at work, or has lost what the host can
+    // learn from the next heartbeat alone.
+    EmulatedBoard::Due due = board.next_event();
+    const uint64_t line_ns = line.next_event_ns(board.now_ns());
+    const uint64_t poll_ns = std::max(firmware->next_poll_ns(), board.now_ns());
+    const uint64_t next_ns = std::min({due.time_ns, poll_ns, line_ns});
+    const bool resting = next_ns == EmulatedBoard::kNever ||
+                         (firmware->resting() && line_ns == EmulatedBoard::kNever && !line.host_lacks_news());
+    const bool waiting = resting || line.host_owes_answer();
     if (!waiting) silent = false;
     if (waiting && !was_waiting) waiting_since = Clock::now();
     was_waiting = waiting;
 
     if (waiting && !silent) {
-      if (line.wait_for_bytes(kWaitSlice_ms)) {
+      if (line.wait_for_bytes(kWaitSlice_ms, board.now_ns())) {
         firmware->poll();
         was_waiting = false;  // the next wait, if any, is a new one
         pace.restart(board.now_ns());
-      } else if (!resting && Clock::now() - waiting_since >= milliseconds(options.silence_after_ms)) {
+        continue;
+      }
+      const auto waited = Clock::now() - waiting_since;
+      if (!line.host_owes_for_certain() && waited >= kGuessedDebt) line.forgive_guesses();
+      if (!resting && waited >= milliseconds(options.silence_after_ms)) {
         silent = true;
         silent_pace.restart(board.now_ns());
       }
       continue;
     }
 
-    // The next instant at which anything happens.
-    EmulatedBoard::Due due = board.next_event();
-    const uint64_t poll_ns = std::max(firmware->next_poll_ns(), board.now_ns());
-    const bool poll_first = poll_ns < due.time_ns;
-    const uint64_t next_ns = poll_first ? poll_ns : due.time_ns;
     if (silent || options.speed) {
       const Pace& held_by = silent ? silent_pace : pace;
       if (const milliseconds wait = held_by.wait_for(next_ns); wait.count() > 0) {
         if (!silent) {
           std::this_thread::sleep_for(wait);
-        } else if (line.wait_for_bytes(static_cast<int>(wait.count()))) {
+        } else if (line.wait_for_bytes(static_cast<int>(wait.count()), board.now_ns())) {
           silent = false;
           firmware->poll();
         }
         continue;
       }
     }
-    if (poll_first) {
-      board.advance_to(poll_ns);
-    } else {
+    if (due.time_ns == next_ns) {
       board.take(due);
       dispatch(*firmware, due.event);
+    } else {
+      board.advance_to(next_ns);
     }
+    line.deliver(board.now_ns());
     firmware->poll();
   }
 }

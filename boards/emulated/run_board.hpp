@@ -2,10 +2,12 @@
 // The emulated board's life: an event loop in virtual time that calls the firmware's interrupts at their
 // instants.
 //
-// Virtual time stands still while the host owes an answer or while the machine rests, and bytes of the host
-// are taken in only then: so they are stamped at an instant that does not depend on how fast either side
-// runs, and the same commands give the same run. A host that keeps the machine waiting for 5 s of wall time
-// counts as silent: time goes on without it, at wall pace, and the firmware's own time-outs see the silence.
+// Virtual time stands still while the host owes an answer (host_debts.hpp) or while the machine rests, and
+// bytes of the host are taken in only then: so they are stamped at an instant that does not depend on how
+// fast either side runs, and the same commands give the same run. Time does not stand still for what the line
+// has lost: it goes on until the next item or heartbeat tells the host. A host that keeps the machine waiting
+// for 5 s of wall time counts as silent: time goes on without it, at wall pace, and the firmware's own
+// time-outs see the silence.
 #pragma once
 
 #include <atomic>

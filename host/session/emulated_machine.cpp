@@ -139,6 +139,7 @@ Result<std::unique_ptr<EmulatedMachine>> EmulatedMachine::start(const EmulatedMa
                                      "--own-folder"};
   if (!options.place.empty()) arguments.push_back("--place=" + options.place);
   if (!options.world.empty()) arguments.push_back("--world=" + options.world.string());
+  if (!options.faults.empty()) arguments.push_back("--faults=" + options.faults);
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);

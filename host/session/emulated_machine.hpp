@@ -21,6 +21,7 @@ struct EmulatedMachineOptions {
   std::string place{};           // RX,RY,RZ,TX,TY,TZ; empty: as modelled
   uint64_t seed = 1;
   std::filesystem::path world{};  // empty: the nominal world
+  std::string faults{};           // what goes wrong and when (sim/README.md); empty: nothing
   std::string speed = "max";
   std::filesystem::path emulator{};                 // empty: tetragauge-emulator beside the running program
   std::chrono::milliseconds start_timeout{60'000};  // reading a large model takes its time

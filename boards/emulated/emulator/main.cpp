@@ -33,7 +33,7 @@ void ask_to_stop(int) {
 }
 
 struct Options {
-  std::string part, listen = "pty", speed = "max", place, world, store;
+  std::string part, listen = "pty", speed = "max", place, world, store, faults;
   uint64_t seed = 1;
   bool one_host = false, own_folder = false;
 };
@@ -77,6 +77,13 @@ Status run(const Options& options) {
     if (!deviating) return deviating.error();
     setup = *std::move(deviating);
   }
+  sim::Faults faults;
+  if (!options.faults.empty()) {
+    const auto parsed = sim::parse_faults(options.faults);
+    if (!parsed) return parsed.error();
+    faults = *parsed;
+    setup.faults = faults.machine;
+  }
   const auto model = read_solid(options.part);
   if (!model) return model.error();
   const auto standing = sim::stand_on_table(*model, place, options.part);
@@ -98,7 +105,8 @@ Status run(const Options& options) {
   if (std::printf("%s\n", listening->device.c_str()) < 0 || std::fflush(stdout) != 0)
     return machine_error("cannot say the device on standard output: " + std::string(std::strerror(errno)));
 
-  HostLine line({.listener_fd = listening->listener_fd, .fd = listening->fd, .one_host = options.one_host});
+  HostLine line({.listener_fd = listening->listener_fd, .fd = listening->fd, .one_host = options.one_host},
+                faults);
   sim::World world(setup, *standing, options.seed);
   EmulatedBoard board(world, line, store, std::random_device{}());
   run_board(board, line, stop_asked, *pace);
@@ -116,6 +124,8 @@ int emulator_main(int argc, char** argv) {
   app.add_option("--place", options.place,
                  "RX,RY,RZ,TX,TY,TZ (degrees, mm): turns the model, stands it on the table, shifts it");
   app.add_option("--world", options.world, "JSON file of a world that deviates from the nominal one");
+  app.add_option("--faults", options.faults,
+                 "what goes wrong and when, e.g. interlock@2.5s,link_flip=1e-4 (words: sim/README.md)");
   app.add_option("--store", options.store, "file of the machine's calibration store; without, it forgets");
   app.add_flag("--one-host", options.one_host,
                "end when the first host has gone, or when the program that started this one has");
