@@ -53,6 +53,8 @@ class Controller {
     }
     check_inputs();
     check_silence();
+    table_.poll();
+    slide_.poll();
     check_motion();
     const bool was_active = scan_.active();
     const tg_FaultCode found = scan_.poll();

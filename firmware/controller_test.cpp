@@ -280,7 +280,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST_F(ControllerTest, AStoppedStepTimerLetsTheWatchdogBite) {
   ASSERT_TRUE(host.scan({small_view()}));
   host.run(0.1);
-  host.board.step_alarm[0] = host.board.step_alarm[1] = FakeBoard::kNever;
+  host.board.step_edge[0] = host.board.step_edge[1] = FakeBoard::kNever;
   host.run(0.05);
   const uint64_t kicks = host.board.kicks;
   host.run(2);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware/machine_config.hpp"
 
-#include "firmware/motion/trapezoid.hpp"
+#include "firmware/motion/move_times.hpp"
 #include "firmware/optics/nominal_geometry.hpp"
 #include "firmware/optics/rotate.hpp"
 #include "protocol/message.hpp"
@@ -98,9 +98,13 @@ const char* error_of(const tg_AxisMotion& motion) {
       motion.homing_speed > 200'000 || motion.latch_speed > motion.homing_speed) {
     return "stage: speeds must lie between 1 and 200,000 steps/s, latch_speed not above homing_speed";
   }
-  const uint64_t fastest = motion.speed > motion.homing_speed ? motion.speed : motion.homing_speed;
-  if (motion.acceleration == 0 || uint64_t{motion.acceleration} * kLongestSpeedUpS < fastest) {
-    return "stage: acceleration must reach full speed within 4 s";
+  const uint32_t fastest = motion.speed > motion.homing_speed ? motion.speed : motion.homing_speed;
+  if (motion.acceleration == 0 ||
+      !(ramp_to_speed({fastest, motion.acceleration, motion.jerk}).duration() <= kLongestSpeedUpS)) {
+    return "stage: acceleration and jerk must reach full speed within 4 s";
+  }
+  if (int64_t{motion.max_steps} - motion.home_steps > kLongestMoveSteps / 2) {
+    return "stage: an axis may be 10,000,000 steps long";
   }
   if (motion.backlash_steps > 10'000) return "stage: backlash_steps must be at most 10,000";
   return nullptr;

@@ -40,9 +40,25 @@ void EmulatedBoard::start_samples(PsdSample* samples, uint32_t count) {
   burst_end_ns_ = now_ns_ + uint64_t{count} * kSamplePeriodNs;
 }
 
-void EmulatedBoard::step(Axis axis, bool up) {
+bool EmulatedBoard::schedule_step(Axis axis, uint64_t tick, int direction) {
+  step_ns_[static_cast<size_t>(axis)] = std::max(tick, now_ns_);
+  step_direction_[static_cast<size_t>(axis)] = direction;
+  return tick >= now_ns_;
+}
+
+bool EmulatedBoard::cancel_step(Axis axis) {
+  const bool still_to_come = step_ns_[static_cast<size_t>(axis)] != kNever;
+  step_ns_[static_cast<size_t>(axis)] = kNever;
+  return still_to_come;
+}
+
+// The edge, as the timer makes it; the interrupt follows.
+void EmulatedBoard::make_step(Axis axis) {
   take_samples_until_now();
-  world_.step(axis == Axis::kTable ? sim::Stage::table : sim::Stage::slide, up);
+  step_ns_[static_cast<size_t>(axis)] = kNever;
+  const int direction = step_direction_[static_cast<size_t>(axis)];
+  if (direction == 0) return;
+  world_.step(axis == Axis::kTable ? sim::Stage::table : sim::Stage::slide, direction > 0);
 }
 
 uint32_t EmulatedBoard::inputs() const {
@@ -62,7 +78,7 @@ EmulatedBoard::Restart EmulatedBoard::take_restart() {
   if (wanted != Restart::no) {
     set_laser(false);
     alarm_ns_ = burst_end_ns_ = kNever;
-    step_alarm_ns_.fill(kNever);
+    step_ns_.fill(kNever);
     burst_count_ = burst_taken_ = 0;
     ++boot_id_;
     reset_cause_ = tg_ResetCause_RESET_SOFTWARE;
@@ -75,8 +91,8 @@ EmulatedBoard::Due EmulatedBoard::next_event() const {
   const auto offer = [&](Event event, uint64_t time_ns) {
     if (time_ns < first.time_ns) first = {event, time_ns};
   };
-  offer(Event::table_step, step_alarm_ns_[0]);
-  offer(Event::slide_step, step_alarm_ns_[1]);
+  offer(Event::table_step, step_ns_[0]);
+  offer(Event::slide_step, step_ns_[1]);
   const int64_t change_ns = world_.next_switch_change_ns(world_ns());
   if (change_ns < std::numeric_limits<int64_t>::max())
     offer(Event::interlock, static_cast<uint64_t>(change_ns));
@@ -93,10 +109,10 @@ void EmulatedBoard::take(const Due& due) {
   advance_to(due.time_ns);
   switch (due.event) {
     case Event::table_step:
-      step_alarm_ns_[0] = kNever;
+      make_step(Axis::kTable);
       break;
     case Event::slide_step:
-      step_alarm_ns_[1] = kNever;
+      make_step(Axis::kSlide);
       break;
     case Event::interlock:  // the world has changed by itself
       break;

@@ -22,6 +22,7 @@ class EmulatedBoard {
       tg_Capability_CAPABILITY_EMULATED | tg_Capability_CAPABILITY_ADC_16_BIT;
   // The converter's own filter lets 17 kHz of noise through: samples 30 us apart are independent.
   static constexpr uint32_t kSamplePeriodNs = 30'000;
+  static constexpr uint32_t kStepTicksPerSecond = 1'000'000'000;
 
   static constexpr uint64_t kNever = std::numeric_limits<uint64_t>::max();
 
@@ -34,8 +35,9 @@ class EmulatedBoard {
   void set_mirrors(int16_t a_code, int16_t b_code);
   void set_laser(bool on);
   void start_samples(PsdSample* samples, uint32_t count);
-  void set_step_alarm_ns(Axis axis, uint64_t time_ns) { step_alarm_ns_[static_cast<size_t>(axis)] = time_ns; }
-  void step(Axis axis, bool up);
+  uint64_t step_clock() const { return now_ns_; }
+  bool schedule_step(Axis axis, uint64_t tick, int direction);
+  bool cancel_step(Axis axis);
   uint32_t inputs() const;
   size_t read(uint8_t* bytes, size_t capacity) { return line_.read(bytes, capacity, now_ns_); }
   size_t write(const uint8_t* bytes, size_t count) { return line_.write(bytes, count, now_ns_); }
@@ -78,12 +80,14 @@ class EmulatedBoard {
   uint64_t now_ns_ = 0;
   bool laser_on_ = false;
   uint64_t alarm_ns_ = kNever, burst_end_ns_ = kNever;
-  std::array<uint64_t, kAxes> step_alarm_ns_{kNever, kNever};
+  std::array<uint64_t, kAxes> step_ns_{kNever, kNever};
+  std::array<int, kAxes> step_direction_{};
   PsdSample* burst_ = nullptr;
   uint32_t burst_count_ = 0, burst_taken_ = 0;
   uint64_t burst_start_ns_ = 0;
 
   void take_samples_until_now();
+  void make_step(Axis axis);
 };
 
 static_assert(Board<EmulatedBoard>);

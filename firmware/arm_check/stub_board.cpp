@@ -7,7 +7,7 @@
 namespace tetragauge {
 namespace {
 
-volatile uint32_t cells[20];
+volatile uint32_t cells[21];
 MemoryStorage store;
 
 struct StubBoard {
@@ -24,10 +24,14 @@ struct StubBoard {
     burst = samples;
     cells[5] = count;
   }
-  void set_step_alarm_ns(Axis axis, uint64_t time_ns) {
-    cells[6 + static_cast<int>(axis)] = static_cast<uint32_t>(time_ns / 1000);
+  static constexpr uint32_t kStepTicksPerSecond = 84'000'000;
+  uint64_t step_clock() const { return (uint64_t{cells[9]} << 32) | cells[8]; }
+  bool schedule_step(Axis axis, uint64_t tick, int direction) {
+    cells[20] = static_cast<uint32_t>(direction);
+    cells[6 + static_cast<int>(axis)] = static_cast<uint32_t>(tick);
+    return static_cast<int32_t>(static_cast<uint32_t>(tick) - cells[8]) > 0;
   }
-  void step(Axis axis, bool up) { cells[8 + static_cast<int>(axis)] = up; }
+  bool cancel_step(Axis axis) { return cells[6 + static_cast<int>(axis)] != 0; }
   uint32_t inputs() const { return cells[10]; }
   size_t read(uint8_t* bytes, size_t capacity) {
     size_t count = 0;

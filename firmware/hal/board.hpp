@@ -7,11 +7,17 @@
 // that instant or later:
 //   controller.on_alarm()        at the time of set_alarm_ns (one pending alarm; setting it again replaces
 //   it) controller.on_samples()      when the burst of start_samples is in the buffer
-//   controller.on_step_timer(k)  at the time of set_step_alarm_ns(k, t) (one pending for each axis)
+//   controller.on_step_timer(k)  after the edge of schedule_step(k, ...) has come
 //   controller.on_interlock()    when the interlock opens or closes
 // Priorities, high to low: step timers, interlock, alarm and samples (these two never interrupt each other),
 // poll(). poll() is the main loop: call it after bytes came, after every interrupt, and not later than
 // next_poll_ns().
+//
+// Step edges are made by timer hardware (a compare channel that toggles or pulses the pin): an edge comes at
+// the tick it was scheduled for, whatever the processor does then. The firmware schedules one ahead, from
+// on_step_timer of the edge before, so an interrupt may be late by up to an interval without moving any edge.
+// The step clock counts ticks of that timer from start-up, extended to 64 bits; no edge is scheduled more
+// than 4 s ahead.
 #pragma once
 
 #include <concepts>
@@ -52,9 +58,9 @@ struct Inputs {
 };
 
 template <class B>
-concept Board = requires(B board, const B& constant, uint64_t time_ns, int16_t code, PsdSample* samples,
-                         uint32_t count, Axis axis, bool on, uint8_t* in, const uint8_t* out, size_t bytes,
-                         tg_SelfTestCheck check, tg_SelfTestItem* item) {
+concept Board = requires(B board, const B& constant, uint64_t time_ns, uint64_t tick, int direction,
+                         int16_t code, PsdSample* samples, uint32_t count, Axis axis, bool on, uint8_t* in,
+                         const uint8_t* out, size_t bytes, tg_SelfTestCheck check, tg_SelfTestItem* item) {
   { B::kName } -> std::convertible_to<const char*>;
   { B::kCapabilities } -> std::convertible_to<uint32_t>;    // tg_Capability bits
   { B::kSamplePeriodNs } -> std::convertible_to<uint32_t>;  // between samples of a burst
@@ -68,8 +74,13 @@ concept Board = requires(B board, const B& constant, uint64_t time_ns, int16_t c
   // First sample one period after the call; the whole burst takes count periods.
   { board.start_samples(samples, count) } -> std::same_as<void>;
 
-  { board.set_step_alarm_ns(axis, time_ns) } -> std::same_as<void>;
-  { board.step(axis, on) } -> std::same_as<void>;  // one step edge now; true is up / counter-clockwise
+  { B::kStepTicksPerSecond } -> std::convertible_to<uint32_t>;
+  { constant.step_clock() } -> std::same_as<uint64_t>;  // now, in ticks
+  // One edge at that tick (one pending for each axis). Direction +1: up / counter-clockwise, -1: the other
+  // way, 0: none, only the interrupt (self-test). False when the tick had passed: it comes at once.
+  { board.schedule_step(axis, tick, direction) } -> std::same_as<bool>;
+  // True: the edge never comes, nor on_step_timer for it. False: it is out, and on_step_timer is yet to come.
+  { board.cancel_step(axis) } -> std::same_as<bool>;
   { constant.inputs() } -> std::same_as<uint32_t>;
 
   { board.read(in, bytes) } -> std::same_as<size_t>;    // takes what came, up to bytes

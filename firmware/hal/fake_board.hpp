@@ -22,6 +22,7 @@ class FakeBoard {
   static constexpr const char* kName = "fake";
   static constexpr uint32_t kCapabilities = tg_Capability_CAPABILITY_EMULATED;
   static constexpr uint32_t kSamplePeriodNs = 10'000;
+  static constexpr uint32_t kStepTicksPerSecond = 1'000'000'000;
   static constexpr uint64_t kNever = ~uint64_t{0};
 
   uint32_t boot_id() const { return 7; }
@@ -40,14 +41,34 @@ class FakeBoard {
     burst_count = count;
     burst_end = stuck_converter ? kNever : now + uint64_t{count} * kSamplePeriodNs;
   }
-  void set_step_alarm_ns(Axis axis, uint64_t time_ns) { step_alarm[static_cast<int>(axis)] = time_ns; }
-  void step(Axis axis, bool up) { position[static_cast<int>(axis)] += up ? 1 : -1; }
+  uint64_t step_clock() const { return now; }
+  bool schedule_step(Axis axis, uint64_t tick, int direction) {
+    const int k = static_cast<int>(axis);
+    step_edge[k] = tick > now ? tick : now;
+    step_direction[k] = direction;
+    return tick >= now;
+  }
+  bool cancel_step(Axis axis) {
+    const bool still_to_come = step_edge[static_cast<int>(axis)] != kNever;
+    step_edge[static_cast<int>(axis)] = kNever;
+    return still_to_come;
+  }
+  // The timer's part of a step.
+  void make_edge(int k) {
+    step_edge[k] = kNever;
+    position[k] += step_direction[k];
+    // The carriage follows the motor when the play is taken up.
+    if (position[k] > carriage[k]) carriage[k] = position[k];
+    if (position[k] + play[k] < carriage[k]) carriage[k] = position[k] + play[k];
+    if (step_direction[k] != 0) on_edge(k, now, step_direction[k]);
+    step_interrupt[k] = now + interrupt_latency();
+  }
   uint32_t inputs() const {
     uint32_t bits = needed_inputs;
-    if (position[0] <= table_home) bits |= Inputs::kTableHome;
-    if (position[1] <= slide_home) bits |= Inputs::kSlideHome;
-    if (position[1] <= slide_home - 200) bits |= Inputs::kSlideLimitLow;
-    if (position[1] >= slide_home + 61'000) bits |= Inputs::kSlideLimitHigh;
+    if (carriage[0] <= table_home) bits |= Inputs::kTableHome;
+    if (carriage[1] <= slide_home) bits |= Inputs::kSlideHome;
+    if (carriage[1] <= slide_home - 200) bits |= Inputs::kSlideLimitLow;
+    if (carriage[1] >= slide_home + 61'000) bits |= Inputs::kSlideLimitHigh;
     return bits;
   }
   size_t read(uint8_t* bytes, size_t capacity) {
@@ -71,14 +92,20 @@ class FakeBoard {
   uint32_t stack_free_bytes() const { return 0; }
   bool self_check(tg_SelfTestCheck, tg_SelfTestItem*) { return false; }
 
-  uint64_t now = 0, alarm = kNever, burst_end = kNever, step_alarm[kAxes] = {kNever, kNever};
+  uint64_t now = 0, alarm = kNever, burst_end = kNever, step_edge[kAxes] = {kNever, kNever};
+  uint64_t step_interrupt[kAxes] = {kNever, kNever};
+  int step_direction[kAxes] = {0, 0};
+  std::function<uint64_t()> interrupt_latency = [] { return 0; };
+  std::function<void(int, uint64_t, int)> on_edge = [](int, uint64_t, int) {};  // axis, tick, direction
   int16_t mirror_a = 0, mirror_b = 0;
   bool laser = false, stuck_converter = false, restart_asked = false, bootloader_asked = false;
   uint32_t times_laser_on = 0;
   std::function<void()> when_laser_goes_on = [] {};
   PsdSample* burst = nullptr;
   uint32_t burst_count = 0;
-  int64_t position[kAxes] = {0, 0};                   // the true one, in steps
+  int64_t position[kAxes] = {0, 0};                   // of the motor: edges made
+  int64_t carriage[kAxes] = {0, 0};                   // what the switches feel
+  int64_t play[kAxes] = {0, 0};                       // backlash of the true machine, in steps
   int64_t table_home = -18'000, slide_home = -1'000;  // the true edge of the switches
   uint32_t needed_inputs = Inputs::kInterlockClosed | Inputs::kMirrorsGood | Inputs::kLaserGood;
   std::deque<uint8_t> to_machine;
@@ -86,9 +113,9 @@ class FakeBoard {
   size_t line_room = 4096;  // taken at each write
   uint64_t kicks = 0;
   MemoryStorage store;
-  int ambient_codes = 100, light_codes = 30'000;  // of a whole pair
-  double plate_x_mm = 0;                          // the plate is the plane x = plate_x_mm
-  double camera_1_shift_mm = 0;                   // on the detector: a camera out of place
+  int ambient_codes = 100, light_codes = 30'000;                     // of a whole pair
+  double plate_x_mm = 0;                                             // the plate is the plane x = plate_x_mm
+  double camera_1_shift_mm = 0;                                      // on the detector: a camera out of place
   std::function<void(PsdSample&)> spoil_sample = [](PsdSample&) {};  // noise, and whatever else goes wrong
 
   void fill_burst() {
@@ -131,8 +158,10 @@ bool run_next(FakeBoard& board, Firmware& firmware, uint64_t until_ns) {
   };
   consider(board.burst_end, 3);
   consider(board.alarm, 2);
-  consider(board.step_alarm[1], 1);
-  consider(board.step_alarm[0], 0);
+  consider(board.step_interrupt[1], 1);
+  consider(board.step_interrupt[0], 0);
+  consider(board.step_edge[1], 5);
+  consider(board.step_edge[0], 4);
   if (due > until_ns) {
     board.now = until_ns;
     return false;
@@ -141,7 +170,7 @@ bool run_next(FakeBoard& board, Firmware& firmware, uint64_t until_ns) {
   switch (what) {
     case 0:
     case 1:
-      board.step_alarm[what] = FakeBoard::kNever;
+      board.step_interrupt[what] = FakeBoard::kNever;
       firmware.on_step_timer(static_cast<Axis>(what));
       break;
     case 2:
@@ -153,6 +182,10 @@ bool run_next(FakeBoard& board, Firmware& firmware, uint64_t until_ns) {
       board.fill_burst();
       firmware.on_samples();
       break;
+    case 4:
+    case 5:
+      board.make_edge(what - 4);
+      return true;
     default:
       break;
   }

@@ -210,8 +210,9 @@ class ScanRunner {
     ray_ = 0;
     phase_ = Phase::kMoveStage;
     const tg_View& view = current_view();
-    table_.move_to(table_steps(*config_, view.table_udeg));
-    slide_.move_to(slide_steps(*config_, view.slide_um));
+    const bool reachable = table_.move_to(table_steps(*config_, view.table_udeg)) &&
+                           slide_.move_to(slide_steps(*config_, view.slide_um));
+    if (!reachable) found_ = tg_FaultCode_FAULT_LIMIT;
   }
 
   // What poll() does towards the next ray.
