@@ -24,8 +24,21 @@ const std::map<uint32_t, std::string> kLegal = {
     {tg_HostMessage_scan_start_tag, "A"},
     {tg_HostMessage_scan_pause_tag, "SP"},
     {tg_HostMessage_scan_resume_tag, "PS"},
-    {tg_HostMessage_scan_abort_tag, "ASPR"},
+    {tg_HostMessage_scan_abort_tag, "IASPR"},
     {tg_HostMessage_clear_fault_tag, "FEIR"},
+    {tg_HostMessage_measure_rays_tag, "RA"},
+    {tg_HostMessage_get_clock_tag, "BIHRASPFE"},
+    {tg_HostMessage_get_stats_tag, "BIHRASPFE"},
+    {tg_HostMessage_jog_tag, "IR"},
+    {tg_HostMessage_move_axis_tag, "R"},
+    {tg_HostMessage_move_galvo_tag, "IRS"},
+    {tg_HostMessage_laser_set_tag, "RSP"},
+    {tg_HostMessage_calibration_read_tag, "BIHRASPFE"},
+    {tg_HostMessage_calibration_write_tag, "IR"},
+    {tg_HostMessage_calibration_commit_tag, "IR"},
+    {tg_HostMessage_self_test_tag, "IRFE"},
+    {tg_HostMessage_enter_bootloader_tag, "IRAFE"},
+    {tg_HostMessage_reboot_tag, "IRAFE"},
 };
 const char kLetters[] = "BIHRASPFE";
 
@@ -98,9 +111,9 @@ TEST(StateTable, UnknownAndBrokenRequestsAreRefused) {
 }
 
 TEST(StateTable, TransitionsAreThoseOfThePicture) {
-  const std::map<char, std::string> picture = {{'B', "IFE"},   {'I', "HFE"},    {'H', "RFE"},
-                                               {'R', "IHAFE"}, {'A', "IHRSFE"}, {'S', "RPFE"},
-                                               {'P', "RSFE"},  {'F', "IRE"},    {'E', "IR"}};
+  const std::map<char, std::string> picture = {{'B', "IFE"},    {'I', "HFE"},    {'H', "RFE"},
+                                               {'R', "IHASFE"}, {'A', "IHRSFE"}, {'S', "RPFE"},
+                                               {'P', "RSFE"},   {'F', "IRE"},    {'E', "IR"}};
   for (int from = 0; from < kStates; ++from) {
     for (int to = 0; to < kStates; ++to) {
       EXPECT_EQ(transition_allowed(static_cast<tg_State>(from), static_cast<tg_State>(to)),

@@ -23,7 +23,7 @@ CalibrationStore::Copy CalibrationStore::copy_in(uint32_t bank) const {
 
 void CalibrationStore::find() {
   newest_ = {};
-  if (storage_.bank_words() < sizeof words_ / sizeof words_[0]) return;
+  if (!present()) return;
   for (uint32_t bank = 0; bank < Storage::kBanks; ++bank) {
     const Copy copy = copy_in(bank);
     // The counter may turn over: newer is what lies less than half a turn ahead.
@@ -49,6 +49,12 @@ void CalibrationStore::read(uint32_t offset, uint8_t* bytes, uint32_t count) con
   }
 }
 
+const uint8_t* CalibrationStore::load() {
+  staged_bytes_ = staged_total_ = 0;
+  storage_.read(newest_.bank, kHeadWords, words_ + kHeadWords, words_of(total()));
+  return written();
+}
+
 const char* CalibrationStore::write(const tg_CalibrationChunk& chunk) {
   if (chunk.total == 0 || chunk.total > kRecordBytes) return "total is 0 or longer than a record can be";
   if (chunk.offset == 0) {
@@ -69,7 +75,7 @@ const char* CalibrationStore::write(const tg_CalibrationChunk& chunk) {
 }
 
 const char* CalibrationStore::commit_error(const tg_CalibrationCommit& commit) const {
-  if (storage_.bank_words() < sizeof words_ / sizeof words_[0]) return "this board has no store";
+  if (!present()) return "this board has no store";
   if (commit.total == 0) return nullptr;
   if (staged_bytes_ != commit.total || staged_total_ != commit.total)
     return "the record is not written whole";

@@ -3,7 +3,7 @@
 //
 //   CalibrationStore store(board.storage());
 //   store.find();                                        // at start-up
-//   if (store.total() > 0) use(store.record(), store.total());
+//   if (store.total() > 0) use(store.load(), store.total());
 //
 // A new record comes in chunks (write), is taken into the store by commit() and step() until busy() is false,
 // and is then in both banks. The bank with the newest record is written last, and only when the other holds
@@ -36,9 +36,12 @@ class CalibrationStore {
   uint32_t total() const { return newest_.valid ? newest_.bytes : 0; }
   uint32_t crc() const { return newest_.valid ? newest_.crc : 0; }
   uint32_t valid_copies() const;
+  bool present() const { return storage_.bank_words() >= sizeof words_ / sizeof words_[0]; }
   bool ever_written() const { return newest_.valid; }
   // Of the record in force; the caller stays within total().
   void read(uint32_t offset, uint8_t* bytes, uint32_t count) const;
+  // The whole record in force, in place of what was written of a new one.
+  const uint8_t* load();
 
   // Null when the chunk was taken, else what is wrong with it. Offset 0 begins a new record.
   const char* write(const tg_CalibrationChunk& chunk);
