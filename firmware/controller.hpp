@@ -94,9 +94,15 @@ class Controller {
     if (m_.supervisor.input_fault() == tg_FaultCode_FAULT_INTERLOCK) m_.supervisor.laser_off();
   }
 
+<<<<<<< HEAD
+  tg_State state() const { return supervisor_.state(); }
+  tg_FaultCode fault() const { return supervisor_.fault(); }
+  uint32_t view() const { return scan_.view(); }
+=======
   tg_State state() const { return m_.state(); }
   tg_FaultCode fault() const { return m_.supervisor.fault(); }
   uint32_t view() const { return m_.scan.view(); }
+>>>>>>> origin/main
   // A stream item or a heartbeat has gone out and the host has not answered it yet: an emulator in virtual
   // time waits here (link/obligations.hpp).
   bool host_owes_answer() const { return m_.link.obligations().owed(); }

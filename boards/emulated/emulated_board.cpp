@@ -6,8 +6,9 @@
 
 namespace tetragauge {
 
-EmulatedBoard::EmulatedBoard(sim::World& world, HostLine& line, Storage& store, uint32_t boot_id)
-    : world_(world), line_(line), store_(store), boot_id_(boot_id) {}
+EmulatedBoard::EmulatedBoard(sim::World& world, HostLine& line, Storage& store, uint32_t boot_id,
+                             Trace* trace)
+    : world_(world), line_(line), store_(store), boot_id_(boot_id), trace_(trace) {}
 
 // A burst sees mirrors and laser as they are at each sample's own time, so samples due are taken before a
 // change.
@@ -28,7 +29,7 @@ void EmulatedBoard::set_mirrors(int16_t a_code, int16_t b_code) {
 
 void EmulatedBoard::set_laser(bool on) {
   take_samples_until_now();
-  laser_on_ = on;
+  if (trace_ != nullptr) trace_->laser(now_ns_, on);
   world_.set_laser(on, world_ns());
 }
 

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "boards/emulated/host_line.hpp"
+#include "boards/emulated/trace.hpp"
 #include "firmware/hal/board.hpp"
 #include "protocol/machine.pb.h"
 #include "sim/world.hpp"
@@ -26,8 +27,8 @@ class EmulatedBoard {
 
   static constexpr uint64_t kNever = std::numeric_limits<uint64_t>::max();
 
-  // `boot_id` should differ between starts; it has no influence on what is measured.
-  EmulatedBoard(sim::World& world, HostLine& line, Storage& store, uint32_t boot_id);
+  // `boot_id` should differ between starts; it has no influence on what is measured. `trace`: may be null.
+  EmulatedBoard(sim::World& world, HostLine& line, Storage& store, uint32_t boot_id, Trace* trace = nullptr);
 
   uint32_t boot_id() const { return boot_id_; }
   uint64_t now_ns() const { return now_ns_; }
@@ -50,7 +51,7 @@ class EmulatedBoard {
   uint32_t stack_free_bytes() const { return 0; }
   bool self_check(tg_SelfTestCheck, tg_SelfTestItem*) { return false; }
 
-  bool laser_on() const { return laser_on_; }
+  Trace* trace() const { return trace_; }
 
   // For run_board(): what restart() asked for, once. The store and the world stay as they are.
   enum class Restart { no, firmware, bootloader };
@@ -75,10 +76,10 @@ class EmulatedBoard {
   HostLine& line_;
   Storage& store_;
   uint32_t boot_id_;
+  Trace* trace_;
   tg_ResetCause reset_cause_ = tg_ResetCause_RESET_POWER;
   Restart restart_ = Restart::no;
   uint64_t now_ns_ = 0;
-  bool laser_on_ = false;
   uint64_t alarm_ns_ = kNever, burst_end_ns_ = kNever;
   std::array<uint64_t, kAxes> step_ns_{kNever, kNever};
   std::array<int, kAxes> step_direction_{};

@@ -70,12 +70,21 @@ void dispatch(Firmware& firmware, EmulatedBoard::Event event) {
   }
 }
 
+void trace(const EmulatedBoard& board, const Firmware& firmware) {
+  if (board.trace() == nullptr) return;
+  const bool scanning =
+      firmware.state() == tg_State_STATE_SCANNING || firmware.state() == tg_State_STATE_PAUSED;
+  board.trace()->machine(board.now_ns(),
+                         {firmware.state(), firmware.fault(), scanning ? firmware.view() + 1 : 0});
+}
+
 }  // namespace
 
 void run_board(EmulatedBoard& board, HostLine& line, const std::atomic<bool>& stop,
                const PaceOptions& options) {
   auto firmware = std::make_unique<Firmware>(board);
   firmware->begin();
+  trace(board, *firmware);
   Pace pace(options.speed.value_or(1.0)), silent_pace(1.0);
   bool silent = false;
   auto waiting_since = Clock::now();
@@ -88,6 +97,7 @@ void run_board(EmulatedBoard& board, HostLine& line, const std::atomic<bool>& st
       case EmulatedBoard::Restart::firmware:
         firmware = std::make_unique<Firmware>(board);
         firmware->begin();
+        trace(board, *firmware);
         break;
       case EmulatedBoard::Restart::bootloader:
         return;  // gone until somebody starts it again
@@ -108,6 +118,7 @@ void run_board(EmulatedBoard& board, HostLine& line, const std::atomic<bool>& st
     if (waiting && !silent) {
       if (line.wait_for_bytes(kWaitSlice_ms, board.now_ns())) {
         firmware->poll();
+        trace(board, *firmware);
         was_waiting = false;  // the next wait, if any, is a new one
         pace.restart(board.now_ns());
         continue;
@@ -129,6 +140,7 @@ void run_board(EmulatedBoard& board, HostLine& line, const std::atomic<bool>& st
         } else if (line.wait_for_bytes(static_cast<int>(wait.count()), board.now_ns())) {
           silent = false;
           firmware->poll();
+          trace(board, *firmware);
         }
         continue;
       }
@@ -141,6 +153,7 @@ void run_board(EmulatedBoard& board, HostLine& line, const std::atomic<bool>& st
     }
     line.deliver(board.now_ns());
     firmware->poll();
+    trace(board, *firmware);
   }
 }
 

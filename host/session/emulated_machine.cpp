@@ -140,6 +140,7 @@ Result<std::unique_ptr<EmulatedMachine>> EmulatedMachine::start(const EmulatedMa
   if (!options.place.empty()) arguments.push_back("--place=" + options.place);
   if (!options.world.empty()) arguments.push_back("--world=" + options.world.string());
   if (!options.faults.empty()) arguments.push_back("--faults=" + options.faults);
+  if (!options.trace.empty()) arguments.push_back("--trace=" + options.trace.string());
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);

@@ -22,6 +22,7 @@ struct EmulatedMachineOptions {
   uint64_t seed = 1;
   std::filesystem::path world{};  // empty: the nominal world
   std::string faults{};           // what goes wrong and when (sim/README.md); empty: nothing
+  std::filesystem::path trace{};  // empty: none is written
   std::string speed = "max";
   std::filesystem::path emulator{};                 // empty: tetragauge-emulator beside the running program
   std::chrono::milliseconds start_timeout{60'000};  // reading a large model takes its time

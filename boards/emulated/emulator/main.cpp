@@ -33,7 +33,7 @@ void ask_to_stop(int) {
 }
 
 struct Options {
-  std::string part, listen = "pty", speed = "max", place, world, store, faults;
+  std::string part, listen = "pty", speed = "max", place, world, store, faults, trace;
   uint64_t seed = 1;
   bool one_host = false, own_folder = false;
 };
@@ -98,6 +98,13 @@ Status run(const Options& options) {
   }
   Storage& store = lasting ? static_cast<Storage&>(*lasting) : forgotten;
 
+  std::unique_ptr<Trace> trace;
+  if (!options.trace.empty()) {
+    auto opened = Trace::open(options.trace);
+    if (!opened) return opened.error();
+    trace = *std::move(opened);
+  }
+
   const auto listening = start_listening(options.listen);
   if (!listening) return listening.error();
   at_end.socket = listening->socket_path;
@@ -108,9 +115,9 @@ Status run(const Options& options) {
   HostLine line({.listener_fd = listening->listener_fd, .fd = listening->fd, .one_host = options.one_host},
                 faults);
   sim::World world(setup, *standing, options.seed);
-  EmulatedBoard board(world, line, store, std::random_device{}());
+  EmulatedBoard board(world, line, store, std::random_device{}(), trace.get());
   run_board(board, line, stop_asked, *pace);
-  return Done{};
+  return trace ? trace->close() : Status(Done{});
 }
 
 int emulator_main(int argc, char** argv) {
@@ -126,6 +133,8 @@ int emulator_main(int argc, char** argv) {
   app.add_option("--world", options.world, "JSON file of a world that deviates from the nominal one");
   app.add_option("--faults", options.faults,
                  "what goes wrong and when, e.g. interlock@2.5s,link_flip=1e-4 (words: sim/README.md)");
+  app.add_option("--trace", options.trace,
+                 "file for a line at every change of state, laser, view and fault, with its virtual time");
   app.add_option("--store", options.store, "file of the machine's calibration store; without, it forgets");
   app.add_flag("--one-host", options.one_host,
                "end when the first host has gone, or when the program that started this one has");
