@@ -208,7 +208,32 @@ class Averager {
   std::vector<double> weights_;
 };
 
-// Ascending order; vertices at exactly the same place become one (their sigmas combine).
+// Along Morton's curve, so that what is near in space is near in memory: the bits of x, y and z in turn.
+std::vector<uint32_t> order_along_curve(const std::vector<Vec3>& vertices) {
+  constexpr int kBits = 21;  // of each axis: three fit into 64
+  Vec3 low = vertices.front(), high = low;
+  for (const Vec3& p : vertices) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const double steps_per_mm = ((1 << kBits) - 1) / std::max((high - low).maxCoeff(), 1e-300);
+  std::vector<std::pair<uint64_t, uint32_t>> coded(vertices.size());
+  for (uint32_t v = 0; v < vertices.size(); ++v) {
+    uint64_t code = 0;
+    for (int k = 0; k < 3; ++k) {
+      const auto step = static_cast<uint64_t>((vertices[v][k] - low[k]) * steps_per_mm);
+      for (int bit = 0; bit < kBits; ++bit) code |= (step >> bit & 1) << (3 * bit + k);
+    }
+    coded[v] = {code, v};
+  }
+  std::sort(coded.begin(), coded.end());
+  std::vector<uint32_t> order;
+  order.reserve(coded.size());
+  for (const auto& [code, v] : coded) order.push_back(v);
+  return order;
+}
+
+// Distinct, in canonical order; vertices at exactly the same place become one (their sigmas combine).
 void sort_and_unite(AveragedPoints& averaged) {
   const size_t n = averaged.vertices.size();
   std::vector<uint32_t> order(n);
@@ -229,13 +254,33 @@ void sort_and_unite(AveragedPoints& averaged) {
     }
     new_index[i] = static_cast<uint32_t>(sorted.vertices.size() - 1);
   }
-  for (uint32_t& v : averaged.point_vertex) v = new_index[v];
-  averaged.vertices = std::move(sorted.vertices);
-  averaged.sigma_mm = std::move(sorted.sigma_mm);
-  averaged.ray = std::move(sorted.ray);
+  const std::vector<uint32_t> along = order_along_curve(sorted.vertices);
+  std::vector<uint32_t> place(along.size());
+  averaged.vertices.resize(along.size());
+  averaged.sigma_mm.resize(along.size());
+  averaged.ray.resize(along.size());
+  for (uint32_t at = 0; at < along.size(); ++at) {
+    averaged.vertices[at] = sorted.vertices[along[at]];
+    averaged.sigma_mm[at] = sorted.sigma_mm[along[at]];
+    averaged.ray[at] = sorted.ray[along[at]];
+    place[along[at]] = at;
+  }
+  for (uint32_t& v : averaged.point_vertex) v = place[new_index[v]];
 }
 
 }  // namespace
+
+VertexRays vertex_rays(const AveragedPoints& averaged) {
+  VertexRays result;
+  result.first.assign(averaged.vertices.size() + 1, 0);
+  for (uint32_t v : averaged.point_vertex) ++result.first[v + 1];
+  for (size_t v = 0; v + 1 < result.first.size(); ++v) result.first[v + 1] += result.first[v];
+  result.rays.resize(averaged.point_vertex.size());
+  std::vector<uint32_t> next(result.first.begin(), result.first.end() - 1);
+  for (uint32_t i = 0; i < averaged.point_vertex.size(); ++i)
+    result.rays[next[averaged.point_vertex[i]]++] = i;
+  return result;
+}
 
 std::vector<uint32_t> canonical_order(const Scan& scan) {
   std::vector<uint32_t> order(scan.size());

@@ -18,27 +18,73 @@ using CellBase = CGAL::Triangulation_cell_base_with_info_3<uint32_t, Kernel,
 using Triangulation =
     CGAL::Delaunay_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<VertexBase, CellBase>>;
 
-}  // namespace
-
-size_t Tetrahedra::finite_cells() const {
-  return static_cast<size_t>(
-      std::count_if(cells.begin(), cells.end(), [](const Cell& c) { return !c.is_infinite(); }));
+// The even permutation that brings the lowest vertex to the front and the lowest of the others behind it: the
+// cell keeps its orientation. Entry k: where corner k was.
+std::array<int, 4> canonical_turn(const std::array<uint32_t, 4>& corners) {
+  static constexpr std::array<std::array<int, 3>, 4> kOthers = {{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
+  const auto front = std::min_element(corners.begin(), corners.end()) - corners.begin();
+  const std::array<int, 3>& others = kOthers[static_cast<size_t>(front)];
+  size_t second = 0;
+  for (size_t k = 1; k < 3; ++k) {
+    if (corners[static_cast<size_t>(others[k])] < corners[static_cast<size_t>(others[second])]) second = k;
+  }
+  return {static_cast<int>(front), others[second], others[(second + 1) % 3], others[(second + 2) % 3]};
 }
 
-int Tetrahedra::mirror_index(uint32_t c, int i) const {
-  const Cell& cell = cells[c];
-  const Cell& next = cells[cell.neighbour[static_cast<size_t>(i)]];
+// The cells as CGAL has them, each turned, in CGAL's order.
+std::vector<Cell> copy_cells(Triangulation& triangulation) {
+  uint32_t count = 0;
+  for (auto c = triangulation.all_cells_begin(); c != triangulation.all_cells_end(); ++c) c->info() = count++;
+  std::vector<Cell> cells(count);
+  for (auto c = triangulation.all_cells_begin(); c != triangulation.all_cells_end(); ++c) {
+    std::array<uint32_t, 4> corners;
+    for (int i = 0; i < 4; ++i) {
+      const auto v = c->vertex(i);
+      corners[static_cast<size_t>(i)] = triangulation.is_infinite(v) ? kInfiniteVertex : v->info();
+    }
+    const std::array<int, 4> from = canonical_turn(corners);
+    Cell& cell = cells[c->info()];
+    for (size_t k = 0; k < 4; ++k) {
+      cell.vertex[k] = corners[static_cast<size_t>(from[k])];
+      cell.neighbour[k] = c->neighbor(from[k])->info();
+    }
+  }
+  return cells;
+}
+
+// Ordered by their vertices' numbers, so that CGAL's order of insertion does not show, and cells are as near
+// in memory as their vertices are.
+std::vector<Cell> sort_cells(const std::vector<Cell>& cells, size_t vertices) {
+  std::vector<uint32_t> first(vertices + 1, 0);
+  for (const Cell& cell : cells) ++first[cell.vertex[0] + 1];
+  for (size_t v = 0; v < vertices; ++v) first[v + 1] += first[v];
+  std::vector<uint32_t> order(cells.size()), next(first.begin(), first.end() - 1), number(cells.size());
+  for (uint32_t c = 0; c < cells.size(); ++c) order[next[cells[c].vertex[0]]++] = c;
+  for (size_t v = 0; v < vertices; ++v) {
+    std::sort(order.begin() + first[v], order.begin() + first[v + 1],
+              [&](uint32_t a, uint32_t b) { return cells[a].vertex < cells[b].vertex; });
+  }
+  std::vector<Cell> sorted(cells.size());
+  for (uint32_t c = 0; c < order.size(); ++c) {
+    sorted[c] = cells[order[c]];
+    number[order[c]] = c;
+  }
+  for (Cell& cell : sorted) {
+    for (uint32_t& n : cell.neighbour) n = number[n];
+  }
+  return sorted;
+}
+
+// Where in `next` the vertex stands that `cell` does not have, across cell's facet i.
+int find_mirror(const Cell& cell, size_t i, const Cell& next) {
   for (int j = 0; j < 4; ++j) {
     const int k = cell.index_of(next.vertex[static_cast<size_t>(j)]);
-    if (k < 0 || k == i) return j;
+    if (k < 0 || k == static_cast<int>(i)) return j;
   }
   return -1;
 }
 
-Result<Tetrahedra> delaunay(std::span<const Vec3> points) {
-  if (points.size() < 4)
-    return bad_input("the scan has " + std::to_string(points.size()) +
-                     " distinct points; tetrahedra need at least 4: scan more of the part");
+Result<std::vector<Cell>> triangulate(std::span<const Vec3> points) {
   std::vector<std::pair<Kernel::Point_3, uint32_t>> numbered;
   numbered.reserve(points.size());
   for (size_t i = 0; i < points.size(); ++i)
@@ -49,25 +95,35 @@ Result<Tetrahedra> delaunay(std::span<const Vec3> points) {
     return bad_input(
         "all points of the scan lie exactly in one plane or on one line: they enclose nothing; scan from "
         "another view, or fit the plane directly");
+  return copy_cells(triangulation);
+}
 
+}  // namespace
+
+size_t Tetrahedra::finite_cells() const {
+  return static_cast<size_t>(
+      std::count_if(cells.begin(), cells.end(), [](const Cell& c) { return !c.is_infinite(); }));
+}
+
+Result<Tetrahedra> delaunay(std::span<const Vec3> points) {
+  if (points.size() < 4)
+    return bad_input("the scan has " + std::to_string(points.size()) +
+                     " distinct points; tetrahedra need at least 4: scan more of the part");
+  Result<std::vector<Cell>> cells = triangulate(points);
+  if (!cells) return cells.error();
   Tetrahedra result;
   result.vertices.assign(points.begin(), points.end());
+  result.cells = sort_cells(*cells, points.size());
+  result.mirror.assign(result.cells.size(), 0);
   result.vertex_cell.assign(points.size(), kNoCell);
-  uint32_t count = 0;
-  for (auto c = triangulation.all_cells_begin(); c != triangulation.all_cells_end(); ++c) c->info() = count++;
-  result.cells.resize(count);
-  for (auto c = triangulation.all_cells_begin(); c != triangulation.all_cells_end(); ++c) {
-    Cell& cell = result.cells[c->info()];
-    for (int i = 0; i < 4; ++i) {
-      const auto v = c->vertex(i);
-      const auto k = static_cast<size_t>(i);
-      cell.vertex[k] = triangulation.is_infinite(v) ? kInfiniteVertex : v->info();
-      cell.neighbour[k] = c->neighbor(i)->info();
-    }
-    if (!cell.is_infinite()) {
-      for (uint32_t v : cell.vertex) {
-        if (result.vertex_cell[v] == kNoCell) result.vertex_cell[v] = c->info();
-      }
+  for (uint32_t c = 0; c < result.cells.size(); ++c) {
+    const Cell& cell = result.cells[c];
+    int mirror = 0;
+    for (size_t i = 0; i < 4; ++i) mirror |= find_mirror(cell, i, result.cells[cell.neighbour[i]]) << (2 * i);
+    result.mirror[c] = static_cast<uint8_t>(mirror);
+    if (cell.is_infinite()) continue;
+    for (uint32_t v : cell.vertex) {
+      if (result.vertex_cell[v] == kNoCell) result.vertex_cell[v] = c;
     }
   }
   return result;

@@ -13,10 +13,13 @@ class SurfaceExtractor {
  public:
   SurfaceExtractor(const Tetrahedra& tetrahedra, const std::vector<uint8_t>& air,
                    const Visibility& visibility, const Scan& scan, const AveragedPoints& averaged)
-      : tetrahedra_(tetrahedra), air_(air), visibility_(visibility), scan_(scan), averaged_(averaged) {}
+      : tetrahedra_(tetrahedra),
+        air_(air),
+        visibility_(visibility),
+        scan_(scan),
+        rays_of_(vertex_rays(averaged)) {}
 
   Surface run() {
-    index_rays();
     inner_.assign(tetrahedra_.cells.size(), {kNone, kNone, kNone, kNone});
     outer_.assign(tetrahedra_.cells.size(), kNone);
     for (uint32_t c = 0; c < tetrahedra_.cells.size(); ++c) {
@@ -39,15 +42,6 @@ class SurfaceExtractor {
   }
 
  private:
-  void index_rays() {
-    first_ray_.assign(tetrahedra_.vertices.size() + 1, 0);
-    for (uint32_t v : averaged_.point_vertex) ++first_ray_[v + 1];
-    for (size_t v = 0; v + 1 < first_ray_.size(); ++v) first_ray_[v + 1] += first_ray_[v];
-    rays_.resize(averaged_.point_vertex.size());
-    std::vector<uint32_t> next(first_ray_.begin(), first_ray_.end() - 1);
-    for (uint32_t i = 0; i < averaged_.point_vertex.size(); ++i) rays_[next[averaged_.point_vertex[i]]++] = i;
-  }
-
   // The facet opposite vertex i of finite solid cell c, counter-clockwise from outside it.
   std::array<uint32_t, 3> facet_from_outside(uint32_t c, int i) const {
     const auto& f = kFacet[static_cast<size_t>(i)];
@@ -90,9 +84,8 @@ class SurfaceExtractor {
 
   // Confidence and whether a ray has touched it.
   void finish(SurfaceTriangle& t, uint32_t air_cell, uint32_t solid_cell) const {
-    Votes for_it = visibility_.solid[solid_cell], against = visibility_.air[solid_cell];
-    for_it += visibility_.air[air_cell];
-    against += visibility_.solid[air_cell];
+    const CellVotes &behind = visibility_.cells[solid_cell], &before = visibility_.cells[air_cell];
+    const Votes for_it = behind.solid + before.air, against = behind.air + before.solid;
     t.confidence =
         for_it + against > 0 ? static_cast<float>(for_it) / static_cast<float>(for_it + against) : 0.f;
 
@@ -103,8 +96,8 @@ class SurfaceExtractor {
         (tetrahedra_.vertices[t.vertex[1]] - a).cross(tetrahedra_.vertices[t.vertex[2]] - a).normalized();
     int touched = 0;
     for (uint32_t v : t.vertex) {
-      for (uint32_t r = first_ray_[v]; r < first_ray_[v + 1]; ++r) {
-        if (normal.dot(scan_.ray_direction(rays_[r])) < -kGrazing) {
+      for (const uint32_t ray : rays_of_.of(v)) {
+        if (normal.dot(scan_.ray_direction(ray)) < -kGrazing) {
           ++touched;
           break;
         }
@@ -171,8 +164,7 @@ class SurfaceExtractor {
   const std::vector<uint8_t>& air_;
   const Visibility& visibility_;
   const Scan& scan_;
-  const AveragedPoints& averaged_;
-  std::vector<uint32_t> first_ray_, rays_;  // rays of each vertex
+  const VertexRays rays_of_;
   std::vector<std::array<int32_t, 4>> inner_;
   std::vector<int32_t> outer_;
   std::vector<SurfaceTriangle> surface_;

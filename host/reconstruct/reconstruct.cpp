@@ -49,8 +49,8 @@ size_t count_doubtful(const Tetrahedra& tetrahedra, const std::vector<uint8_t>& 
     if (cell.is_infinite()) continue;
     bool at_surface = false;
     for (uint32_t n : cell.neighbour) at_surface = at_surface || air[n] != air[c];
-    const Votes for_it = air[c] ? visibility.air[c] : visibility.solid[c];
-    const Votes all = visibility.air[c] + visibility.solid[c];
+    const CellVotes& votes = visibility.cells[c];
+    const Votes for_it = air[c] ? votes.air : votes.solid, all = votes.air + votes.solid;
     if (at_surface && (all > 0 ? 4 * for_it < 3 * all : unseen[c] != 0)) ++doubtful;
   }
   return doubtful;

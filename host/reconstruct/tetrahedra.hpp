@@ -41,10 +41,11 @@ struct Tetrahedra {
   std::vector<Vec3> vertices;         // mm
   std::vector<Cell> cells;            // finite and infinite
   std::vector<uint32_t> vertex_cell;  // one finite cell at each vertex
+  std::vector<uint8_t> mirror;        // per cell four times two bits, see mirror_index
 
   size_t finite_cells() const;
   // Index, in the neighbour across facet i of cell c, of the vertex opposite that facet.
-  int mirror_index(uint32_t c, int i) const;
+  int mirror_index(uint32_t c, int i) const { return (mirror[c] >> (2 * i)) & 3; }
 };
 
 // Delaunay tetrahedra of distinct points, with exact predicates (CGAL); cospherical sets are resolved by

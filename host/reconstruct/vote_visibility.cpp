@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "host/reconstruct/vote_visibility.hpp"
 
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <tuple>
 
 #include "host/reconstruct/walk_ray.hpp"
 
@@ -21,26 +27,49 @@ double distance_to_facet(const Tetrahedra& tetrahedra, uint32_t c, int i, const 
   return along == 0 ? 0 : std::max(0.0, normal.dot(a - start) / along);
 }
 
+// Rays of one vertex that are alike.
+struct RayBundle {
+  Vec3 sensor;
+  double weight = 1;  // of each
+  Votes rays = 1;
+};
+
 class Voter {
  public:
   Voter(const Tetrahedra& tetrahedra, Visibility& result)
       : tetrahedra_(tetrahedra), result_(result), walker_(tetrahedra) {}
 
-  // A ray of the given weight from `sensor` to vertex v; `sigma_mm` of the vertex softens its last stretch.
-  void vote(uint32_t v, const Vec3& sensor, double weight, double sigma_mm) {
-    ++result_.rays_walked;
+  // From their sensor to vertex v; `sigma_mm` of the vertex softens the last stretch.
+  void vote(uint32_t v, const RayBundle& rays, double sigma_mm) {
+    walked += static_cast<size_t>(rays.rays);
     const Vec3& p = tetrahedra_.vertices[v];
-    if (!vote_air(v, p, sensor, weight, sigma_mm) || !vote_solid(v, p, sensor, weight, sigma_mm))
-      ++result_.rays_lost;
+    if (!vote_air(v, p, rays, sigma_mm) || !vote_solid(v, p, rays, sigma_mm))
+      lost += static_cast<size_t>(rays.rays);
   }
 
+  size_t walked = 0, lost = 0;
+
  private:
-  static Votes votes(double weight) { return std::lround(static_cast<double>(kOneRay) * weight); }
+  static Votes votes(const RayBundle& rays, double certainty) {
+    return rays.rays * std::lround(static_cast<double>(kOneRay) * (rays.weight * certainty));
+  }
+
+  // Sums of integers: the same in whatever order the threads come.
+  static void add(Votes& sum, Votes votes) {
+    std::atomic_ref<Votes>(sum).fetch_add(votes, std::memory_order_relaxed);
+  }
+  static void set(uint8_t& flag) {
+    std::atomic_ref<uint8_t> shared(flag);
+    if (shared.load(std::memory_order_relaxed) == 0) shared.store(1, std::memory_order_relaxed);
+  }
 
   // That the surface is not here, d before the measured point.
   static double certainty(double d, double sigma_mm) {
     return -std::expm1(-0.5 * d * d / (sigma_mm * sigma_mm));
   }
+
+  // Farther than this from the point every ray's certainty rounds to a whole vote: 16000 exp(-18) is nothing.
+  static constexpr double kFarSigmas = 6;
 
   double centre_distance(uint32_t c, const Vec3& p, const Vec3& direction) const {
     Vec3 sum = Vec3::Zero();
@@ -50,53 +79,57 @@ class Voter {
 
   // Walks from the vertex back to the sensor. A facet crossed at distance d is evidence of strength
   // 1 - exp(-d^2 / 2 sigma^2) that the surface is not there.
-  bool vote_air(uint32_t v, const Vec3& p, const Vec3& sensor, double weight, double sigma_mm) {
-    walker_.walk(v, sensor, walk_);
+  bool vote_air(uint32_t v, const Vec3& p, const RayBundle& rays, double sigma_mm) {
+    walker_.walk(v, rays.sensor, walk_);
     if (walk_.end == Walk::End::lost) return false;
-    const Vec3 direction = (sensor - p).normalized();
-    const Votes full = votes(weight);
+    const Vec3 direction = (rays.sensor - p).normalized();
+    const Votes full = votes(rays, 1);
     uint32_t previous = kNoCell;
+    bool is_far = false;
     for (const WalkStep& step : walk_.steps) {
       Votes soft = full;
       if (step.facet_of_previous >= 0) {
-        const double d = distance_to_facet(tetrahedra_, previous, step.facet_of_previous, p, direction);
-        soft = votes(weight * certainty(d, sigma_mm));
-        result_.entered_through[previous][static_cast<size_t>(step.facet_of_previous)] += soft;
+        if (!is_far) {
+          const double d = distance_to_facet(tetrahedra_, previous, step.facet_of_previous, p, direction);
+          soft = votes(rays, certainty(d, sigma_mm));
+          is_far = d > kFarSigmas * sigma_mm;
+        }
+        add(result_.cells[previous].entered_through[static_cast<size_t>(step.facet_of_previous)], soft);
       } else if (previous != kNoCell && !tetrahedra_.cells[previous].is_infinite()) {
         // Through an edge or a vertex: no facet joins the two cells, so the evidence is the far cell's own.
-        result_.from_outside[previous] +=
-            votes(weight * certainty(centre_distance(previous, p, direction), sigma_mm));
+        add(result_.cells[previous].from_outside,
+            votes(rays, certainty(centre_distance(previous, p, direction), sigma_mm)));
       }
-      result_.air[step.cell] += soft;
-      result_.crossed[step.cell] = 1;
+      add(result_.cells[step.cell].air, soft);
+      set(result_.crossed[step.cell]);
       previous = step.cell;
     }
     const uint32_t end = walk_.steps.empty() ? kNoCell : walk_.steps.back().cell;
-    if (end != kNoCell) result_.from_outside[end] += 8 * full;  // the sensor stands in air
+    if (end != kNoCell) add(result_.cells[end].from_outside, 8 * full);  // the sensor stands in air
     return true;
   }
 
   // Three sigma beyond the vertex the ray claims solid; on the way there, the deeper the surer.
-  bool vote_solid(uint32_t v, const Vec3& p, const Vec3& sensor, double weight, double sigma_mm) {
-    const Vec3 direction = (p - sensor).normalized();
+  bool vote_solid(uint32_t v, const Vec3& p, const RayBundle& rays, double sigma_mm) {
+    const Vec3 direction = (p - rays.sensor).normalized();
     const Vec3 behind = p + direction * (3 * sigma_mm);
     walker_.walk(v, behind, walk_);
     if (walk_.end == Walk::End::lost) return false;
-    const Votes full = votes(weight);
+    const Votes full = votes(rays, 1);
     uint32_t previous = kNoCell;
     for (const WalkStep& step : walk_.steps) {
       if (step.facet_of_previous >= 0) {
         const double d = distance_to_facet(tetrahedra_, previous, step.facet_of_previous, p, direction);
         const int facet = tetrahedra_.mirror_index(previous, step.facet_of_previous);
-        result_.entered_through[step.cell][static_cast<size_t>(facet)] +=
-            votes(weight * certainty(d, sigma_mm));
+        add(result_.cells[step.cell].entered_through[static_cast<size_t>(facet)],
+            votes(rays, certainty(d, sigma_mm)));
       }
-      result_.solid[step.cell] += full;
+      add(result_.cells[step.cell].solid, full);
       previous = step.cell;
     }
     if (walk_.end_cell != kNoCell) {
-      result_.into_inside[walk_.end_cell] += full;
-      if (previous != walk_.end_cell) result_.solid[walk_.end_cell] += full;
+      add(result_.cells[walk_.end_cell].into_inside, full);
+      if (previous != walk_.end_cell) add(result_.cells[walk_.end_cell].solid, full);
     }
     return true;
   }
@@ -107,29 +140,61 @@ class Voter {
   Walk walk_;
 };
 
+// Alike ones together; the order among them does not matter for the sums.
+void bundle(std::vector<RayBundle>& rays) {
+  const auto value = [](const RayBundle& r) {
+    return std::tuple(r.sensor.x(), r.sensor.y(), r.sensor.z(), r.weight);
+  };
+  std::sort(rays.begin(), rays.end(),
+            [&](const RayBundle& a, const RayBundle& b) { return value(a) < value(b); });
+  size_t kept = 0;
+  for (size_t i = 0; i < rays.size(); ++i) {
+    if (kept > 0 && value(rays[kept - 1]) == value(rays[i]))
+      rays[kept - 1].rays += rays[i].rays;
+    else
+      rays[kept++] = rays[i];
+  }
+  rays.resize(kept);
+}
+
 }  // namespace
 
 Visibility vote_visibility(const Tetrahedra& tetrahedra, const Scan& scan, const AveragedPoints& averaged) {
   Visibility result;
-  const size_t n = tetrahedra.cells.size();
-  result.from_outside.assign(n, 0);
-  result.air.assign(n, 0);
-  result.solid.assign(n, 0);
-  result.into_inside.assign(n, 0);
-  result.crossed.assign(n, 0);
-  result.entered_through.assign(n, {});
+  result.cells.assign(tetrahedra.cells.size(), {});
+  result.crossed.assign(tetrahedra.cells.size(), 0);
 
   const std::vector<double> sigma = floored_sigma_mm(scan);
   std::vector<double> sorted = sigma;
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<long>(sorted.size() / 2), sorted.end());
   const double typical = sorted[sorted.size() / 2];
 
-  Voter voter(tetrahedra, result);
-  for (size_t i = 0; i < scan.size(); ++i) {
-    const uint32_t v = averaged.point_vertex[i];
-    // Weight by information, bounded so that no ray can shout down hundreds of others, or is not heard.
-    const double weight = std::clamp(typical * typical / (sigma[i] * sigma[i]), 1.0 / 16, 16.0);
-    voter.vote(v, scan.ray_origins[i], weight, averaged.sigma_mm[v]);
+  const VertexRays rays_of = vertex_rays(averaged);
+  struct Local {
+    Voter voter;
+    std::vector<RayBundle> rays;
+  };
+  tbb::enumerable_thread_specific<Local> locals([&] { return Local{Voter(tetrahedra, result), {}}; });
+  tbb::parallel_for(tbb::blocked_range<uint32_t>(0, static_cast<uint32_t>(averaged.vertices.size()), 256),
+                    [&](const tbb::blocked_range<uint32_t>& range) {
+                      Local& local = locals.local();
+                      for (uint32_t v = range.begin(); v < range.end(); ++v) {
+                        local.rays.clear();
+                        for (const uint32_t i : rays_of.of(v)) {
+                          // Weight by information, bounded so that no ray can shout down hundreds of others,
+                          // or is not heard.
+                          const double weight =
+                              std::clamp(typical * typical / (sigma[i] * sigma[i]), 1.0 / 16, 16.0);
+                          local.rays.push_back({scan.ray_origins[i], weight, 1});
+                        }
+                        bundle(local.rays);
+                        for (const RayBundle& rays : local.rays)
+                          local.voter.vote(v, rays, averaged.sigma_mm[v]);
+                      }
+                    });
+  for (const Local& local : locals) {
+    result.rays_walked += local.voter.walked;
+    result.rays_lost += local.voter.lost;
   }
   return result;
 }

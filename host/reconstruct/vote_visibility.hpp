@@ -17,18 +17,24 @@ namespace tetragauge {
 using Votes = int64_t;
 constexpr Votes kOneRay = 1000;
 
+// Of one cell. One line of the processor's cache, since rays touch cells far apart.
+struct alignas(64) CellVotes {
+  // Through facet i: rays that travel, light's way, from the neighbour across facet i into this cell, and so
+  // speak against a surface there with the neighbour air and this cell solid: surely so far before or behind
+  // their point, hardly within its noise.
+  std::array<Votes, 4> entered_through{};
+  Votes from_outside = 0;    // a ray came into the triangulation here
+  Votes into_inside = 0;     // a ray ends here, three sigma beyond its point
+  Votes air = 0, solid = 0;  // rays crossing on their way, and behind their point
+};
+
 struct Visibility {
-  // Per cell: a ray came into the triangulation here; a ray ends here, three sigma beyond its point.
-  std::vector<Votes> from_outside, into_inside;
-  // Per cell and facet i: rays that travel, light's way, from the neighbour across facet i into this cell,
-  // and so speak against a surface there with the neighbour air and this cell solid: surely so far before or
-  // behind their point, hardly within its noise.
-  std::vector<std::array<Votes, 4>> entered_through;
-  std::vector<Votes> air, solid;  // per cell: rays crossing on their way, and behind their point
-  std::vector<uint8_t> crossed;   // per cell: a ray crossed it, whatever its weight (thesis's carving)
+  std::vector<CellVotes> cells;
+  std::vector<uint8_t> crossed;  // per cell: a ray crossed it, whatever its weight (thesis's carving)
   size_t rays_walked = 0, rays_lost = 0;
 };
 
+// Equal rays of one vertex are walked once and count as many. In parallel.
 Visibility vote_visibility(const Tetrahedra& tetrahedra, const Scan& scan, const AveragedPoints& averaged);
 
 }  // namespace tetragauge

@@ -20,9 +20,48 @@ int orient(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 
 }  // namespace
 
+void RayWalker::CellSet::clear() {
+  used_ = 0;
+  if (++round_ == 0) {  // after 2^32 rounds the oldest would count again
+    std::fill(slots_.begin(), slots_.end(), std::pair<uint32_t, uint32_t>{});
+    round_ = 1;
+  }
+}
+
+bool RayWalker::CellSet::insert(uint32_t c) {
+  if (2 * used_ >= slots_.size()) grow();
+  const size_t mask = slots_.size() - 1;
+  for (size_t at = (c * 2654435769u >> 7) & mask;; at = (at + 1) & mask) {
+    if (slots_[at].second != round_) {
+      slots_[at] = {c, round_};
+      ++used_;
+      return true;
+    }
+    if (slots_[at].first == c) return false;
+  }
+}
+
+void RayWalker::CellSet::grow() {
+  std::vector<std::pair<uint32_t, uint32_t>> old(2 * slots_.size());
+  old.swap(slots_);
+  used_ = 0;
+  for (const auto& [c, round] : old) {
+    if (round == round_) insert(c);
+  }
+}
+
+RayWalker::RayWalker(const Tetrahedra& tetrahedra) : tetrahedra_(tetrahedra) {
+  low_ = high_ = tetrahedra.vertices.front();
+  for (const Vec3& p : tetrahedra.vertices) {
+    low_ = low_.cwiseMin(p);
+    high_ = high_.cwiseMax(p);
+  }
+}
+
 void RayWalker::walk(uint32_t start, const Vec3& target, Walk& walk) {
   s_ = point(start);
   t_ = target;
+  may_stop_ = (low_.array() <= target.array()).all() && (target.array() <= high_.array()).all();
   walk_ = &walk;
   done_ = false;
   walk.end = Walk::End::lost;
@@ -73,10 +112,10 @@ void RayWalker::cross(uint32_t c, int exit) {
 }
 
 // Out of the hull through a vertex or an edge: into the infinite cell on a hull facet that the target sees.
-void RayWalker::leave_hull() {
+void RayWalker::leave_hull(const std::vector<uint32_t>& star) {
   walk_->end = Walk::End::left_hull;
   done_ = true;
-  for (uint32_t c : star_) {
+  for (uint32_t c : star) {
     const Cell& infinite = cell(c);
     const int i = infinite.index_of(kInfiniteVertex);
     if (i < 0) continue;
@@ -86,29 +125,24 @@ void RayWalker::leave_hull() {
   if (walk_->end_cell != kNoCell) enter(walk_->end_cell, -1);
 }
 
-// All cells, finite and infinite, that have vertex a (and b, if given); into star_.
-void RayWalker::collect_star(uint32_t a, uint32_t b, uint32_t from) {
-  if (++stars_ == 0) {
-    std::fill(mark_.begin(), mark_.end(), 0);
-    stars_ = 1;
-  }
-  star_.assign(1, from);
-  mark_[from] = stars_;
-  for (size_t next = 0; next < star_.size(); ++next) {
-    const Cell& c = cell(star_[next]);
+// All cells, finite and infinite, that have vertex a (and b, if it is another).
+void RayWalker::collect_star(uint32_t a, uint32_t b, uint32_t from, std::vector<uint32_t>& star) {
+  met_.clear();
+  met_.insert(from);
+  star.assign(1, from);
+  for (size_t next = 0; next < star.size(); ++next) {
+    const Cell& c = cell(star[next]);
     for (size_t i = 0; i < 4; ++i) {
       if (c.vertex[i] == a || c.vertex[i] == b) continue;
-      const uint32_t n = c.neighbour[i];
-      if (mark_[n] == stars_) continue;
-      mark_[n] = stars_;
-      star_.push_back(n);
+      if (met_.insert(c.neighbour[i])) star.push_back(c.neighbour[i]);
     }
   }
 }
 
 void RayWalker::from_vertex() {
   const uint32_t v = at_.a;
-  collect_star(v, v, at_.cell);
+  if (star_of_ != v) collect_star(v, v, tetrahedra_.vertex_cell[v], star_);
+  star_of_ = v;
   for (uint32_t index : star_) {
     const Cell& c = cell(index);
     if (c.is_infinite()) continue;
@@ -128,7 +162,7 @@ void RayWalker::from_vertex() {
     if (!inside) continue;
     if (zeros == 0) {  // into the cell; it leaves through the facet opposite v
       enter(index, -1);
-      if (side(c, apex, t_) >= 0) return stop_in(index);
+      if (target_is_before(c, apex)) return stop_in(index);
       return cross(index, apex);
     }
     if (zeros == 1) {  // within the facet opposite zero[0]; it leaves through that facet's edge opposite v
@@ -152,13 +186,13 @@ void RayWalker::from_vertex() {
     }
     return lose();
   }
-  leave_hull();
+  leave_hull(star_);
 }
 
 void RayWalker::from_edge() {
   const uint32_t u = at_.a, w = at_.b;
-  collect_star(u, w, at_.cell);
-  for (uint32_t index : star_) {
+  collect_star(u, w, at_.cell, edge_star_);
+  for (uint32_t index : edge_star_) {
     const Cell& c = cell(index);
     if (c.is_infinite()) continue;
     int iu = c.index_of(u), iw = c.index_of(w);
@@ -180,14 +214,14 @@ void RayWalker::from_edge() {
     const uint32_t va = c.vertex[static_cast<size_t>(a)], vb = c.vertex[static_cast<size_t>(b)];
     const int sign = orient(s_, t_, point(va), point(vb));
     const int exit = sign > 0 ? iu : iw;
-    if (side(c, exit, t_) >= 0) return stop_in(index);
+    if (target_is_before(c, exit)) return stop_in(index);
     if (sign == 0) {
       at_ = {Feature::Kind::edge, va, vb, index, 0};
       return;
     }
     return cross(index, exit);
   }
-  leave_hull();
+  leave_hull(edge_star_);
 }
 
 // From inside edge (iu, iw) of a cell along its facet opposite `off`.
@@ -214,21 +248,26 @@ void RayWalker::from_facet() {
   const int apex = at_.entry;
   const auto& base = kFacet[static_cast<size_t>(apex)];
   const uint32_t d = c.vertex[static_cast<size_t>(apex)];
-  int sign[3];
-  for (size_t k = 0; k < 3; ++k) sign[k] = orient(s_, t_, point(c.vertex[base[k]]), point(d));
   // Seen against the line of travel the base a b c is counter-clockwise; the line leaves between d->a and
-  // d->b when orient(s, t, a, d) < 0 < orient(s, t, b, d).
+  // d->b when orient(s, t, a, d) < 0 < orient(s, t, b, d). Each sign is asked for only when it is needed.
+  int sign[3] = {};
+  bool known[3] = {};
+  const auto sign_at = [&](size_t k) {
+    if (!known[k]) sign[k] = orient(s_, t_, point(c.vertex[base[k]]), point(d));
+    known[k] = true;
+    return sign[k];
+  };
   for (size_t k = 0; k < 3; ++k) {
-    if (sign[k] < 0 && sign[(k + 1) % 3] > 0) {
+    if (sign_at(k) < 0 && sign_at((k + 1) % 3) > 0) {
       const int exit = base[(k + 2) % 3];
-      if (side(c, exit, t_) >= 0) return stop_in(index);
+      if (target_is_before(c, exit)) return stop_in(index);
       return cross(index, exit);
     }
   }
   for (size_t k = 0; k < 3; ++k) {
-    if (sign[k] != 0) continue;
-    if (side(c, base[(k + 1) % 3], t_) >= 0) return stop_in(index);
-    if (sign[(k + 1) % 3] == 0 && sign[(k + 2) % 3] == 0)
+    if (sign_at(k) != 0) continue;
+    if (target_is_before(c, base[(k + 1) % 3])) return stop_in(index);
+    if (sign_at((k + 1) % 3) == 0 && sign_at((k + 2) % 3) == 0)
       at_ = {Feature::Kind::vertex, d, 0, index, 0};
     else
       at_ = {Feature::Kind::edge, c.vertex[base[k]], d, index, 0};

@@ -30,11 +30,11 @@ struct Walk {
   uint32_t end_cell = kNoCell;  // a finite cell containing the target, or the infinite cell left into
 };
 
-// Keeps scratch memory between walks; one per thread.
+// Keeps scratch memory between walks, little of it; one per thread. Walks from one vertex after each other
+// are cheaper than in mixed order: its star is kept.
 class RayWalker {
  public:
-  explicit RayWalker(const Tetrahedra& tetrahedra)
-      : tetrahedra_(tetrahedra), mark_(tetrahedra.cells.size()) {}
+  explicit RayWalker(const Tetrahedra& tetrahedra);
 
   // From vertex `start` towards `target`. The walk leaves from the vertex's star: a walk that ends without
   // `lost` is the certificate that the ray target -> vertex arrives.
@@ -49,17 +49,31 @@ class RayWalker {
     int entry = 0;          // facet: its index in that cell
   };
 
+  // Cells met so far while a star is collected: an open hash table, since stars are small and cells many.
+  class CellSet {
+   public:
+    void clear();
+    bool insert(uint32_t c);  // whether it is new
+
+   private:
+    void grow();
+    std::vector<std::pair<uint32_t, uint32_t>> slots_ = std::vector<std::pair<uint32_t, uint32_t>>(128);
+    uint32_t round_ = 0;  // slots of earlier rounds are empty
+    size_t used_ = 0;
+  };
+
   const Vec3& point(uint32_t v) const { return tetrahedra_.vertices[v]; }
   const Cell& cell(uint32_t c) const { return tetrahedra_.cells[c]; }
   int side(const Cell& c, int facet, const Vec3& x) const;
-  void collect_star(uint32_t a, uint32_t b, uint32_t from);
+  bool target_is_before(const Cell& c, int exit) const { return may_stop_ && side(c, exit, t_) >= 0; }
+  void collect_star(uint32_t a, uint32_t b, uint32_t from, std::vector<uint32_t>& star);
   void from_vertex();
   void from_edge();
   void from_facet();
   void along_facet(uint32_t index, int iu, int iw, int off);
   void enter(uint32_t c, int facet_of_previous) { walk_->steps.push_back({c, facet_of_previous}); }
   void cross(uint32_t c, int exit);
-  void leave_hull();
+  void leave_hull(const std::vector<uint32_t>& star);
   void stop_in(uint32_t c);
   void lose() { done_ = true; }
 
@@ -68,9 +82,11 @@ class RayWalker {
   Walk* walk_ = nullptr;
   Feature at_;
   bool done_ = false;
-  std::vector<uint32_t> star_;
-  std::vector<uint32_t> mark_;  // per cell: the last star it was collected into
-  uint32_t stars_ = 0;
+  bool may_stop_ = true;  // false: the target is certainly outside the hull
+  Vec3 low_, high_;       // box of all vertices
+  std::vector<uint32_t> star_, edge_star_;
+  uint32_t star_of_ = kInfiniteVertex;  // whose star stands in star_
+  CellSet met_;
 };
 
 }  // namespace tetragauge
