@@ -209,11 +209,11 @@ MachineConfig nominal_config() {
   stage.table_steps_per_turn = 36'000;  // 0.01 degrees
   stage.slide_steps_per_m = 200'000;    // 5 um
   stage.has_table = stage.has_slide = true;
-  // min, max, speed, acceleration, homing, latch, home, backlash
-  stage.table = {-18'000, 36'000, 9'000, 36'000, 9'000, 500, -18'100, 20, 0};
-  // Homing stops within 80 steps and backs off by another 80: the end switch, 200 below the edge, is not
-  // reached.
-  stage.slide = {-200, 60'200, 20'000, 100'000, 4'000, 500, -400, 20, 0};
+  // min, max, speed, acceleration, homing, latch, home, backlash, jerk
+  stage.table = {-18'000, 36'000, 9'000, 36'000, 9'000, 500, -18'100, 20, 720'000};
+  // Homing stops within 4000 (4000 / 100,000 + 100,000 / 4,000,000) / 2 = 130 steps and what a planned stop is
+  // ahead: the end switch, 200 below the edge, is not reached.
+  stage.slide = {-200, 60'200, 20'000, 100'000, 4'000, 500, -400, 20, 4'000'000};
 
   // base, per mrad, max, laser, weak, flag, rail, ambient, gap mm, gap sigmas, mis-assembled after, stage
   config.measure = {600, 40, 8'000, 100, 60, 300, 32'700, 40'000, 0.3, 8, 200, 100'000, 0, 0, 0};

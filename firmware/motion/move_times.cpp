@@ -32,6 +32,9 @@ void MoveTimes::lay_out(const RampShape& shape, uint32_t steps) {
   ramp_steps_ = static_cast<uint32_t>(distance);
   if (ramp_steps_ > steps / 2) ramp_steps_ = steps / 2;
   const double interval = fine_per_s_ / shape.speed();
+  // Speed changes by under a hundredth from one step to the next at the peak. Otherwise the last interval
+  // tells nothing about the slope behind the turn, where slowing down begins.
+  gentle_ = shape.acceleration * 100 < shape.speed() * shape.speed();
   const double cruise = (steps - 2 * distance) * interval;
   cruise_interval_ = static_cast<uint64_t>(interval * (1 << kCruiseBits) + 0.5);
   cruise_from_ = static_cast<uint64_t>(shape.duration() / 2 * fine_per_s_ + 0.5);
@@ -54,8 +57,7 @@ uint64_t MoveTimes::next() {
     time = cruise_time(step);
   } else {
     const uint64_t guess = last_ + interval_;
-    // Across the turn from cruise, or from speeding up, the last interval tells nothing about the slope.
-    const bool turns = left == ramp_steps_ || step == ramp_steps_ + 1;
+    const bool turns = !gentle_ && (left == ramp_steps_ || step == ramp_steps_ + 1);
     time = end_ - ramp_.time_at(left, guess < end_ ? end_ - guess : 0, turns ? 0 : interval_);
   }
   interval_ = time - last_;

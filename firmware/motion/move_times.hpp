@@ -8,6 +8,9 @@
 // Step k comes when the ideal position is k: the last one at the very end. Every time is computed from its
 // own k, so nothing accumulates, and lies within one tick of the ideal one. Slowing down is speeding up read
 // backwards.
+//
+// Instructions on a Cortex-M4 (-Os, counted under QEMU): next() 48 in cruise, 180 on a ramp, up to 6000
+// within 0.1 ms and more of rest; plan() 13,000 to 28,000.
 #pragma once
 
 #include "firmware/motion/speed_ramp.hpp"
@@ -40,9 +43,10 @@ class MoveTimes {
   uint32_t given_ = 0;
   uint64_t last_ = 0, interval_ = 0;  // fine time of the last step given, and what it took
   uint32_t ramp_steps_ = 0;           // whole steps within a ramp
-  uint64_t end_ = 0;                  // fine time of the last step
-  uint64_t cruise_from_ = 0;          // fine time at which a cruise back to step 0 would have started
-  uint64_t cruise_interval_ = 0;      // fine time of a step * 2^24
+  bool gentle_ = false;
+  uint64_t end_ = 0;              // fine time of the last step
+  uint64_t cruise_from_ = 0;      // fine time at which a cruise back to step 0 would have started
+  uint64_t cruise_interval_ = 0;  // fine time of a step * 2^24
   SpeedRamp ramp_;
   RampShape shape_;
   double fine_per_s_ = 1;
