@@ -25,7 +25,7 @@ void HostDebts::take_from_host(const Frame& frame) {
     case tg_HostMessage_measure_rays_tag:
     case tg_HostMessage_scan_abort_tag:
       // The stream starts anew, or is no longer listened to.
-      streaming_ = asked_ = asks_again_due_ = false;
+      streaming_ = asked_ = asks_again_due_ = knows_of_gap_ = false;
       break;
     default:
       break;
@@ -48,15 +48,11 @@ void HostDebts::take_event(const tg_HostMessage& message) {
     }
     case tg_HostMessage_points_resend_tag:
       asked_ = true;
-      asks_again_due_ = false;
+      asks_again_due_ = knows_of_gap_ = false;
       break;
     default:
       break;
   }
-}
-
-void HostDebts::gap_seen() {
-  if (!asked_) asks_again_due_ = true;
 }
 
 void HostDebts::reached_host(uint8_t byte) {
@@ -67,14 +63,14 @@ void HostDebts::reached_host(uint8_t byte) {
     if (frame.header.id == host_next_) {
       ++host_next_;
     } else if (frame.header.id > host_next_) {
-      gap_seen();
+      asks_again_due_ = !asked_;
     }
   } else if (frame.header.channel == Channel::kEvent && decode_message(frame, &told_) &&
              told_.which_body == tg_MachineMessage_heartbeat_tag) {
     const tg_Heartbeat& heartbeat = told_.body.heartbeat;
     heartbeat_ = heartbeat.counter;
     const bool behind = streaming_ && heartbeat.stream_next > host_next_;
-    if (behind) gap_seen();
+    knows_of_gap_ = behind && !asked_;
     news_lost_ = news_lost_ && behind;
   }
 }

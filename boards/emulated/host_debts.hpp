@@ -27,7 +27,10 @@ class HostDebts {
   bool owed() const { return owes_for_certain() || asks_again_due_; }
   // Without these the debt is a guess: a host may know of a gap already.
   bool owes_for_certain() const { return heartbeat_ != answered_ || (streaming_ && acked_ < host_next_); }
-  void forgive_guesses() { asks_again_due_ = false; }
+  // A heartbeat has told the host of items it lacks: it asks for them, at the latest when it finds the line
+  // quiet. Only a machine that rests need wait for that.
+  bool knows_of_gap() const { return knows_of_gap_; }
+  void forgive_guesses() { asks_again_due_ = knows_of_gap_ = false; }
   // Something was lost that only the machine's next heartbeat can tell the host.
   bool news_lost() const { return news_lost_; }
 
@@ -36,7 +39,6 @@ class HostDebts {
  private:
   void take_from_host(const Frame& frame);
   void take_event(const tg_HostMessage& message);
-  void gap_seen();
 
   FrameReader from_host_, to_host_;
   tg_HostMessage said_ = tg_HostMessage_init_zero;
@@ -45,7 +47,7 @@ class HostDebts {
   bool streaming_ = false;              // the host has granted credit for a scan
   uint32_t host_next_ = 0, acked_ = 0;  // stream items: those it has in order, those it said it has
   bool asked_ = false;                  // for the items before a gap, which have not come yet
-  bool asks_again_due_ = false;
+  bool asks_again_due_ = false, knows_of_gap_ = false;
   bool arrived_whole_ = false, news_lost_ = false;
 };
 

@@ -44,6 +44,7 @@ class HostLine {
   bool host_owes_answer() const { return host_reads_too_slowly() || (connected() && debts_.owed()); }
   bool host_owes_for_certain() const { return host_reads_too_slowly() || debts_.owes_for_certain(); }
   void forgive_guesses() { debts_.forgive_guesses(); }
+  bool host_knows_of_gap() const { return connected() && debts_.knows_of_gap(); }
   bool host_lacks_news() const { return connected() && debts_.news_lost(); }
 
  private:

@@ -110,7 +110,8 @@ void run_board(EmulatedBoard& board, HostLine& line, const std::atomic<bool>& st
     const uint64_t next_ns = std::min({due.time_ns, poll_ns, line_ns});
     const bool resting = next_ns == EmulatedBoard::kNever ||
                          (firmware->resting() && line_ns == EmulatedBoard::kNever && !line.host_lacks_news());
-    const bool waiting = resting || line.host_owes_answer();
+    const bool waiting =
+        resting || line.host_owes_answer() || (firmware->resting() && line.host_knows_of_gap());
     if (!waiting) silent = false;
     if (waiting && !was_waiting) waiting_since = Clock::now();
     was_waiting = waiting;
