@@ -126,17 +126,11 @@ Result<std::unique_ptr<EmulatedMachine>> EmulatedMachine::start(const EmulatedMa
   machine->folder_ = folder;
   machine->device_ = "unix:" + folder + "/machine";
 
-  std::vector<std::string> arguments{program.string(),
-                                     "--part",
-                                     options.part.string(),
-                                     "--listen",
-                                     machine->device_,
-                                     "--seed",
-                                     std::to_string(options.seed),
-                                     "--speed",
-                                     options.speed,
-                                     "--one-host",
-                                     "--own-folder"};
+  std::vector<std::string> arguments{
+      program.string(), "--part",      options.part.string(),        "--listen",
+      machine->device_, "--seed",      std::to_string(options.seed), "--speed",
+      options.speed,    "--own-folder"};
+  if (options.one_host) arguments.push_back("--one-host");
   if (!options.place.empty()) arguments.push_back("--place=" + options.place);
   if (!options.world.empty()) arguments.push_back("--world=" + options.world.string());
   if (!options.faults.empty()) arguments.push_back("--faults=" + options.faults);

@@ -24,6 +24,7 @@ struct EmulatedMachineOptions {
   std::string faults{};           // what goes wrong and when (sim/README.md); empty: nothing
   std::filesystem::path trace{};  // empty: none is written
   std::string speed = "max";
+  bool one_host = true;  // false: it waits for another host when one has gone, until it is ended here
   std::filesystem::path emulator{};                 // empty: tetragauge-emulator beside the running program
   std::chrono::milliseconds start_timeout{60'000};  // reading a large model takes its time
 };
@@ -36,7 +37,7 @@ class EmulatedMachine {
   EmulatedMachine(const EmulatedMachine&) = delete;
   EmulatedMachine& operator=(const EmulatedMachine&) = delete;
 
-  // For open_transport(). One host only: the emulator ends when it has gone.
+  // For open_transport().
   const std::string& device() const { return device_; }
   pid_t process() const { return process_; }
 
