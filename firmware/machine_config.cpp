@@ -215,8 +215,9 @@ MachineConfig nominal_config() {
   // ahead: the end switch, 200 below the edge, is not reached.
   stage.slide = {-200, 60'200, 20'000, 100'000, 4'000, 500, -400, 20, 4'000'000};
 
-  // base, per mrad, max, laser, weak, flag, rail, ambient, gap mm, gap sigmas, mis-assembled after, stage
-  config.measure = {600, 40, 8'000, 100, 60, 300, 32'700, 40'000, 0.3, 8, 200, 100'000, 0, 0, 0};
+  // base, per mrad, max, laser, weak, flag, rail, ambient, gap mm, gap sigmas, mis-assembled after, stage,
+  // trim, stable codes, stable max
+  config.measure = {600, 40, 8'000, 100, 60, 300, 32'700, 40'000, 0.3, 8, 200, 100'000, 100, 0, 0};
 
   config.volume = {true, message_of(nominal.volume.min), true, message_of(nominal.volume.max)};
   return config;

@@ -28,7 +28,10 @@ class FakeBoard {
   uint32_t boot_id() const { return 7; }
   uint64_t now_ns() const { return now; }
   void set_alarm_ns(uint64_t time_ns) { alarm = time_ns; }
-  void set_mirrors(int16_t a, int16_t b) { mirror_a = a, mirror_b = b; }
+  void set_mirrors(int16_t a, int16_t b) {
+    mirror_a = a, mirror_b = b;
+    mirrors_set_ns = now;
+  }
   void set_laser(bool on) {
     laser = on;
     if (on) {
@@ -113,23 +116,29 @@ class FakeBoard {
   size_t line_room = 4096;  // taken at each write
   uint64_t kicks = 0;
   MemoryStorage store;
-  int ambient_codes = 100, light_codes = 30'000;                     // of a whole pair
-  double plate_x_mm = 0;                                             // the plate is the plane x = plate_x_mm
+  int ambient_codes = 100, light_codes = 30'000;  // of a whole pair
+  double plate_x_mm = 0;                          // the plate is the plane x = plate_x_mm
+  uint64_t mirrors_set_ns = 0;
+  std::function<double(uint64_t)> mirror_lag_rad = [](uint64_t) {
+    return 0.0;
+  };                                                                 // of mirror a, by ns since set
+  bool covered[2] = {false, false};                                  // something stands before the camera
   double camera_1_shift_mm = 0;                                      // on the detector: a camera out of place
   std::function<void(PsdSample&)> spoil_sample = [](PsdSample&) {};  // noise, and whatever else goes wrong
 
   void fill_burst() {
     constexpr MachineGeometry<double> machine = nominal_geometry<double>();
-    const Beam<double> beam = beam_from_mirrors(machine.galvo, mirror_a * kUradPerMirrorCode * 1e-6,
-                                                mirror_b * kUradPerMirrorCode * 1e-6);
-    const double range = (plate_x_mm - beam.origin.x) / beam.direction.x;
-    const Vector3<double> spot = beam.origin + beam.direction * range;
     for (uint32_t i = 0; i < burst_count; ++i) {
+      const uint64_t sampled_ns = now - uint64_t{burst_count - 1 - i} * kSamplePeriodNs;
+      const double a = mirror_a * kUradPerMirrorCode * 1e-6 + mirror_lag_rad(sampled_ns - mirrors_set_ns);
+      const Beam<double> beam = beam_from_mirrors(machine.galvo, a, mirror_b * kUradPerMirrorCode * 1e-6);
+      const double range = (plate_x_mm - beam.origin.x) / beam.direction.x;
+      const Vector3<double> spot = beam.origin + beam.direction * range;
       for (int c = 0; c < 2; ++c) {
         bool in_view = false;
         DetectorPosition<double> at = project(machine.camera[c], spot, &in_view);
         if (c == 0) at.x_mm += camera_1_shift_mm;
-        const double light = laser && in_view ? light_codes : 0;
+        const double light = laser && in_view && !covered[c] ? light_codes : 0;
         const double half = machine.camera[c].half_size_mm;
         const auto code = [&](double share) {
           const double value = ambient_codes / 2.0 + light * share;

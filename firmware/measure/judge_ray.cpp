@@ -22,13 +22,9 @@ struct Channel {
   Scalar variance{};  // of `light`
 };
 
-Scalar mean(const RaySamples& samples, int phase, int channel) {
-  return static_cast<Scalar>(static_cast<double>(samples.sum[phase][channel]) / samples.count[phase]);
-}
-
 Channel channel_of(const CameraGeometry<Scalar>& camera, const RaySamples& samples, int index) {
-  const Scalar before = mean(samples, 0, index), on = mean(samples, 1, index),
-               after = mean(samples, 2, index);
+  const Scalar before = samples.mean(Light::kOffBefore, index), on = samples.mean(Light::kOn, index),
+               after = samples.mean(Light::kOffAfter, index);
   Channel channel;
   channel.ambient = (before + after) / 2;
   channel.change = after - before;
@@ -36,9 +32,9 @@ Channel channel_of(const CameraGeometry<Scalar>& camera, const RaySamples& sampl
   const auto sample_variance = [&](Scalar code) {
     return camera.dark_variance_codes2 + camera.shot_variance_codes * (code > 0 ? code : Scalar(0));
   };
-  const Scalar off_count = static_cast<Scalar>(samples.count[0] + samples.count[2]);
-  channel.variance = sample_variance(on) / static_cast<Scalar>(samples.count[1]) +
-                     sample_variance(channel.ambient) / off_count;
+  const Scalar off_noise = (samples.noise(Light::kOffBefore) + samples.noise(Light::kOffAfter)) / 4;
+  channel.variance =
+      sample_variance(on) * samples.noise(Light::kOn) + sample_variance(channel.ambient) * off_noise;
   return channel;
 }
 
@@ -79,19 +75,16 @@ CameraReading reading_of(const CameraGeometry<Scalar>& camera, const tg_MeasureC
     const Scalar one =
         camera.dark_variance_codes2 +
         camera.shot_variance_codes * (channels[c].ambient > 0 ? channels[c].ambient : Scalar(0));
-    change_variance += one *
-                       (Scalar(1) / static_cast<Scalar>(samples.count[0]) +
-                        Scalar(1) / static_cast<Scalar>(samples.count[2])) /
-                       4;
+    change_variance += one * (samples.noise(Light::kOffBefore) + samples.noise(Light::kOffAfter)) / 4;
   }
   const PairPosition x = position_of(camera, channels[0], channels[1]);
   const PairPosition y = position_of(camera, channels[2], channels[3]);
   reading.sum = (x.sum + y.sum) / 2;
 
   const uint32_t mine = 0xFu << (4 * index);
-  reading.saturated = (samples.on_rail[1] & mine) != 0;
+  reading.saturated = (samples.on_rail(Light::kOn) & mine) != 0;
   const Scalar change_size = change < 0 ? -change : change;
-  reading.ambient = ((samples.on_rail[0] | samples.on_rail[2]) & mine) != 0 ||
+  reading.ambient = ((samples.on_rail(Light::kOffBefore) | samples.on_rail(Light::kOffAfter)) & mine) != 0 ||
                     ambient_sum >= static_cast<Scalar>(config.ambient_codes) ||
                     (change_size > kAmbientChangeSigmas * square_root(change_variance) &&
                      change_size > kAmbientChangeShare * reading.sum);

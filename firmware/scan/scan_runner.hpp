@@ -134,7 +134,12 @@ class ScanRunner {
         take_samples(Phase::kOffBefore, samples_per_phase() / 2);
         break;
       case Phase::kLaserRise:
-        take_samples(Phase::kOn, samples_per_phase());
+        if (config_->measure.stable_codes > 0) {
+          stability_.start(board_.now_ns());
+          take_samples(Phase::kStable, kStableSamples);
+        } else {
+          take_samples(Phase::kOn, samples_per_phase());
+        }
         break;
       case Phase::kLaserFall:
         take_samples(Phase::kOffAfter, samples_per_phase() / 2);
@@ -147,11 +152,15 @@ class ScanRunner {
   void on_samples() {
     burst_running_ = false;
     if (burst_phase_ != phase_ || burst_number_ != ray_number_) return;  // its ray was interrupted
+    if (phase_ == Phase::kStable) {
+      watch_settling();
+      return;
+    }
     const Light light = phase_ == Phase::kOffBefore ? Light::kOffBefore
                         : phase_ == Phase::kOn      ? Light::kOn
                                                     : Light::kOffAfter;
     const int32_t rail = static_cast<int32_t>(config_->measure.rail_codes);
-    for (uint32_t i = 0; i < burst_count_; ++i) samples_.add(light, burst_[i], rail);
+    samples_.add(light, burst_, burst_count_, rail, config_->measure.trim_permille);
     if (current_view().raw) raw_.add(burst_, burst_count_);
     remaining_ -= burst_count_;
     if (remaining_ > 0) {
@@ -179,6 +188,7 @@ class ScanRunner {
     kMirrorSettle,
     kOffBefore,
     kLaserRise,
+    kStable,  // until the spot stands still
     kOn,
     kLaserFall,
     kOffAfter,
@@ -204,6 +214,17 @@ class ScanRunner {
     // Twice its time and a millisecond: a converter that late has stopped.
     burst_deadline_ns_ = board_.now_ns() + 2 * uint64_t{burst_count_} * B::kSamplePeriodNs + 1'000'000;
     board_.start_samples(burst_, burst_count_);
+  }
+
+  void watch_settling() {
+    const bool stable = stability_.add(burst_, burst_count_, config_->measure.stable_codes);
+    const uint64_t longest_ns = uint64_t{config_->measure.stable_max_us} * 1000;
+    if (!stable && board_.now_ns() - stability_.since_ns() < longest_ns) {
+      take_samples(Phase::kStable, kStableSamples);
+      return;
+    }
+    settled_ = settled_ && stable;
+    take_samples(Phase::kOn, samples_per_phase());
   }
 
   void go_to_view() {
@@ -299,7 +320,8 @@ class ScanRunner {
   }
 
   void watch_for_failure() {
-    railed_ = (captured_.on_rail[0] | captured_.on_rail[2]) != 0 ? railed_ + 1 : 0;
+    const uint32_t in_the_dark = captured_.on_rail(Light::kOffBefore) | captured_.on_rail(Light::kOffAfter);
+    railed_ = in_the_dark != 0 ? railed_ + 1 : 0;
     if (record_.reason == tg_RejectReason_REJECT_INCONSISTENT) ++inconsistent_;
     if (record_.reason == 0) inconsistent_ = 0;
     if (railed_ >= kRailedRays) found_ = tg_FaultCode_FAULT_SIGNAL;
@@ -372,6 +394,7 @@ class ScanRunner {
   uint32_t ray_number_ = 0;  // counts every start of a ray
   int32_t a_code_ = 0, b_code_ = 0;
   bool settled_ = true;
+  SpotStability stability_;
   RaySamples samples_;
   PsdSample burst_[kBurstSamples] = {};
   uint32_t burst_count_ = 0, remaining_ = 0, burst_number_ = 0;
