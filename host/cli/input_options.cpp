@@ -6,6 +6,8 @@
 
 namespace tetragauge::cli {
 
+const char* const kModelFiles = ".step .stp .csg .stl .obj .ply .off";
+
 void InputOptions::add_scan(CLI::App& command) {
   command.add_option("scan", scan, "Scan: .ply with rays, or a cloud (.ply .pcd .xyz .csv)")
       ->required()
@@ -23,7 +25,15 @@ void InputOptions::add_scan(CLI::App& command) {
 }
 
 void InputOptions::add_model(CLI::App& command) {
-  command.add_option("--model", model, "Solid model: .step .stp .csg")->required()->type_name("MODEL");
+  command.add_option("--model", model, std::string("Solid model: ") + kModelFiles)
+      ->required()
+      ->type_name("MODEL");
+  add_facets(command);
+}
+
+void InputOptions::add_facets(CLI::App& command) {
+  command.add_flag("--facets", keep_facets,
+                   ".csg: keep all facets of round bodies; meshes: every plane facet is a face of its own");
 }
 
 void InputOptions::add_unit(CLI::App& command) {
@@ -68,6 +78,7 @@ Result<double> InputOptions::model_unit_mm() const {
 
 Result<Solid> InputOptions::read_model(const Console& console) const {
   ReadSolidOptions options;
+  options.keep_facets = keep_facets;
   if (!unit.empty() || !model_unit.empty()) {
     Result<double> scale = model_unit_mm();
     if (!scale) return scale.error();

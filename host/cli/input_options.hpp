@@ -11,16 +11,21 @@
 
 namespace tetragauge::cli {
 
+// The endings of solid models, for help texts.
+extern const char* const kModelFiles;
+
 struct InputOptions {
   std::string scan, model;
   std::string unit, scan_unit, model_unit;
   std::string ray_origin, ray_direction;
   double sigma_mm = 0;
+  bool keep_facets = false;
 
   void add_scan(CLI::App& command);
   void add_model(CLI::App& command);
-  void add_unit(
-      CLI::App& command);  // --unit, and what of --scan-unit, --model-unit goes with the inputs added before
+  void add_facets(CLI::App& command);
+  // --unit, and what of --scan-unit, --model-unit goes with the inputs added before
+  void add_unit(CLI::App& command);
 
   Result<Scan> read_scan(const Console& console) const;
   Result<Solid> read_model(const Console& console) const;

@@ -56,9 +56,12 @@ void add_match(CLI::App& app, Console& console, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
       add_command(app, console, "match", "Measured faces against a model's, with no initial pose");
-  command->add_option("--model", options->input.model, "Solid model (.step .stp .csg) or a list (.hsp .json)")
+  command
+      ->add_option("--model", options->input.model,
+                   std::string("Solid model (") + kModelFiles + ") or a list (.hsp .json)")
       ->required()
       ->type_name("MODEL");
+  options->input.add_facets(*command);
   command->add_option("--measured", options->measured, "Faces as `faces --json` writes them, or a list .hsp")
       ->required()
       ->type_name("FACES");

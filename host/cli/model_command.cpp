@@ -9,6 +9,18 @@
 namespace tetragauge::cli {
 namespace {
 
+std::map<std::string, int> count_by_type(const FaceList& list) {
+  std::map<std::string, int> counts;
+  for (const Face& face : list.faces) ++counts[std::string(surface_type_name(face.type))];
+  return counts;
+}
+
+std::string type_line(const FaceList& list) {
+  std::string text;
+  for (const auto& [type, count] : count_by_type(list)) text += "  " + type + " " + std::to_string(count);
+  return text + "\n";
+}
+
 nlohmann::ordered_json model_json(const Solid& solid) {
   nlohmann::ordered_json json = face_list_to_json(solid.list, "tetragauge/model/1");
   const auto vec = [](const Vec3& v) {
@@ -21,9 +33,7 @@ nlohmann::ordered_json model_json(const Solid& solid) {
   json["centroid_mm"] = vec(solid.centroid_mm);
   json["box_min_mm"] = vec(solid.box_min_mm);
   json["box_max_mm"] = vec(solid.box_max_mm);
-  std::map<std::string, int> counts;
-  for (const Face& face : solid.faces()) ++counts[std::string(surface_type_name(face.type))];
-  json["count_by_type"] = counts;
+  json["count_by_type"] = count_by_type(solid.list);
   json["warnings"] = solid.warnings;
   return json;
 }
@@ -36,11 +46,25 @@ std::string model_summary(const Solid& solid) {
       solid.solids, solid.solids == 1 ? "" : "s", solid.faces().size(), size.x(), size.y(), size.z(),
       solid.declared_unit.empty() ? "" : (" (file unit " + solid.declared_unit + ")").c_str(),
       solid.volume_mm3, solid.area_mm2);
-  std::string text = line;
-  std::map<std::string, int> counts;
-  for (const Face& face : solid.faces()) ++counts[std::string(surface_type_name(face.type))];
-  for (const auto& [type, count] : counts) text += "  " + type + " " + std::to_string(count);
-  return text + "\n";
+  return line + type_line(solid.list);
+}
+
+// A list has planes and areas, and nothing else of a solid.
+Result<int> list_planes(const InputOptions& options, const Console& console) {
+  const Result<double> unit = options.model_unit_mm();
+  if (!unit) return unit.error();
+  Result<FaceList> list = read_face_list(options.model, *unit);
+  if (!list) return list.error();
+  nlohmann::ordered_json json = face_list_to_json(*list, "tetragauge/model/1");
+  double area = 0;
+  for (const Face& face : list->faces) area += face.area_mm2;
+  json["area_mm2"] = area;
+  json["count_by_type"] = count_by_type(*list);
+  json["warnings"] = nlohmann::ordered_json::array();
+  if (Status status = console.put_json(json); !status) return status.error();
+  console.print("list of " + std::to_string(list->faces.size()) + " planes, no solid\n" + type_line(*list) +
+                face_table(*list));
+  return 0;
 }
 
 }  // namespace
@@ -49,13 +73,17 @@ void add_model(CLI::App& app, Console& console, Run& run) {
   auto options = std::make_shared<InputOptions>();
   CLI::App* command =
       add_command(app, console, "model", "A solid model's faces: type, equation, area, neighbours");
-  command->add_option("model", options->model, "Solid model: .step .stp .csg")
+  command
+      ->add_option("model", options->model,
+                   std::string("Solid model (") + kModelFiles + "), or a list of planes (.hsp)")
       ->required()
       ->type_name("MODEL");
+  options->add_facets(*command);
   options->add_unit(*command);
   command->callback([options, &console, &run] {
     run = [options, &console]() -> Result<int> {
       if (Status status = check_outputs(console, {}, {options->model}); !status) return status.error();
+      if (options->model.ends_with(".hsp")) return list_planes(*options, console);
       Result<Solid> model = options->read_model(console);
       if (!model) return model.error();
       if (Status status = console.put_json(model_json(*model)); !status) return status.error();

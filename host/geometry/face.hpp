@@ -28,13 +28,15 @@ struct Face {
   int surface = 0;  // faces on the same plane, cylinder, ... share it; from 1
   SurfaceType type = SurfaceType::plane;
 
-  Vec3 normal = Vec3::Zero();            // plane: unit, out of the material
-  double d_mm = 0;                       // plane: normal . x = d
-  Vec3 axis = Vec3::Zero();              // cylinder, cone, torus: unit, towards growing radius for a cone
-  double radius_mm = 0;                  // cylinder, sphere; cone: at point_on_axis_mm; torus: major
-  double half_angle_rad = 0;             // cone
-  Vec3 point_on_axis_mm = Vec3::Zero();  // cylinder, cone, torus: a point on the axis; sphere: its centre
-  bool concave = false;                  // cylinder, cone, sphere: material outside (a hole)
+  Vec3 normal = Vec3::Zero();  // plane: unit, out of the material
+  double d_mm = 0;             // plane: normal . x = d
+  Vec3 axis = Vec3::Zero();    // cylinder, cone, torus: unit, towards growing radius for a cone
+  double radius_mm = 0;        // cylinder, sphere; cone: at point_on_axis_mm; torus: major
+  double minor_radius_mm = 0;  // torus: of the tube
+  double half_angle_rad = 0;   // cone
+  // cylinder, cone: a point on the axis; sphere, torus: the centre
+  Vec3 point_on_axis_mm = Vec3::Zero();
+  bool concave = false;  // cylinder, cone, sphere, torus: material outside (a hole, a fillet's hollow)
 
   Vec3 point_mm = Vec3::Zero();  // centroid of the face's area
   double area_mm2 = 0;

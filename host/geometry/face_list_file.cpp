@@ -77,6 +77,7 @@ Face face_from_json(const nlohmann::json& value) {
   if (value.contains("axis")) face.axis = vec_from_json(value["axis"]);
   if (value.contains("point_on_axis_mm")) face.point_on_axis_mm = vec_from_json(value["point_on_axis_mm"]);
   face.radius_mm = value.value("radius_mm", 0.0);
+  face.minor_radius_mm = value.value("minor_radius_mm", 0.0);
   face.half_angle_rad = value.value("half_angle_rad", 0.0);
   face.concave = value.value("concave", false);
   face.point_mm =
@@ -165,6 +166,7 @@ ordered_json face_to_json(const Face& face) {
     json["radius_mm"] = face.radius_mm;
     json["concave"] = face.concave;
   }
+  if (face.type == SurfaceType::torus) json["minor_radius_mm"] = face.minor_radius_mm;
   if (face.type == SurfaceType::cone) json["half_angle_rad"] = face.half_angle_rad;
   json["point_mm"] = vec_json(face.point_mm);
   json["area_mm2"] = face.area_mm2;

@@ -4,6 +4,7 @@
 #include <BRepPrimAPI_MakeCone.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
 #include <BRepPrimAPI_MakeSphere.hxx>
+#include <algorithm>
 #include <cmath>
 #include <gp_Ax2.hxx>
 #include <numbers>
@@ -86,7 +87,7 @@ TopoDS_Shape cylinder(const CsgNode& node, const Affine& M) {
   const double r1 = number_argument(node, "r1", 0), r2 = number_argument(node, "r2", 0);
   if (r1 < 0 || r2 < 0 || r1 + r2 <= 0) throw CsgFailure(node, "cylinder: 'r1' and 'r2' must be above 0");
   const double bottom = bool_argument(node, "center", false) ? -height / 2 : 0;
-  if (const size_t sides = facets(node)) {
+  if (const size_t sides = facets(node, std::max(r1, r2))) {
     return stacked_rings(node, {{r1, bottom}, {r2, bottom + height}}, sides, M);
   }
   const std::optional<AxialScale> found = axial_scale(M);
@@ -100,7 +101,7 @@ TopoDS_Shape cylinder(const CsgNode& node, const Affine& M) {
 
 TopoDS_Shape sphere(const CsgNode& node, const Affine& M) {
   const double radius = positive_argument(node, "r");
-  if (const size_t sides = facets(node)) {
+  if (const size_t sides = facets(node, radius)) {
     // OpenSCAD's rings stand half a step off the poles.
     const size_t rings = (sides + 1) / 2;
     std::vector<std::pair<double, double>> radius_and_z;
@@ -153,9 +154,17 @@ TopoDS_Shape build(const CsgNode& node, const Affine& M) {
   throw CsgFailure(node, "'" + node.name + "' is not supported; rewrite the part with " + kSupported);
 }
 
+void set_facets(std::vector<CsgNode>& nodes, bool keep_facets) {
+  for (CsgNode& node : nodes) {
+    node.keep_facets = keep_facets;
+    set_facets(node.children, keep_facets);
+  }
+}
+
 }  // namespace
 
-TopoDS_Shape build_csg(const std::vector<CsgNode>& nodes) {
+TopoDS_Shape build_csg(std::vector<CsgNode> nodes, bool keep_facets) {
+  set_facets(nodes, keep_facets);
   std::vector<TopoDS_Shape> shapes;
   for (const CsgNode& node : nodes) shapes.push_back(build(node, {}));
   return nodes.empty() ? TopoDS_Shape() : unite(nodes[0], shapes);

@@ -9,8 +9,8 @@
 
 namespace tetragauge {
 
-// Union of `nodes`; a null shape if there is nothing. Throws CsgFailure, or Standard_Failure from within
-// OpenCASCADE.
-TopoDS_Shape build_csg(const std::vector<CsgNode>& nodes);
+// Union of `nodes`, with `keep_facets` round bodies as the facets that OpenSCAD makes of them; a null shape
+// if there is nothing. Throws CsgFailure, or Standard_Failure from within OpenCASCADE.
+TopoDS_Shape build_csg(std::vector<CsgNode> nodes, bool keep_facets = false);
 
 }  // namespace tetragauge

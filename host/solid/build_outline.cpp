@@ -141,7 +141,7 @@ TopoDS_Shape square(const CsgNode& node, const Affine& M) {
 
 TopoDS_Shape circle(const CsgNode& node, const Affine& M) {
   const double radius = positive_argument(node, "r");
-  if (const size_t sides = facets(node)) {
+  if (const size_t sides = facets(node, radius)) {
     Loop loop;
     for (size_t i = 0; i < sides; ++i) {
       const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(sides);

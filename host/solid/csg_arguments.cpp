@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "host/solid/csg_arguments.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace tetragauge {
 namespace {
 
 constexpr double kMostFacets = 36;
+constexpr double kMostKeptFacets = 1000;
+constexpr double kDefaultFa_deg = 12, kDefaultFs = 2;  // OpenSCAD's own
+constexpr double kNoRadius = 0.00001;                  // below it OpenSCAD makes a triangle
 
 [[noreturn]] void fail(const CsgNode& node, std::string_view name, const std::string& expected) {
   throw CsgFailure(node, node.name + ": '" + std::string(name) + "' must be " + expected);
@@ -112,10 +117,23 @@ Affine matrix_argument(const CsgNode& node) {
   return restore_digits(M);
 }
 
-size_t facets(const CsgNode& node) {
+size_t facets(const CsgNode& node, double radius_mm) {
   const double fn = number_argument(node, "$fn", 0);
-  if (fn <= 0 || fn > kMostFacets) return 0;
-  return static_cast<size_t>(std::max(fn, 3.0));
+  if (!node.keep_facets) return fn <= 0 || fn > kMostFacets ? 0 : static_cast<size_t>(std::max(fn, 3.0));
+  const double fa = number_argument(node, "$fa", kDefaultFa_deg),
+               fs = number_argument(node, "$fs", kDefaultFs);
+  // As the OpenSCAD manual says of $fa, $fs and $fn.
+  double count = 3;
+  if (fn > 0) {
+    count = std::max(fn, 3.0);
+  } else if (radius_mm > kNoRadius) {
+    count = std::ceil(std::max(std::min(360 / fa, radius_mm * 2 * std::numbers::pi / fs), 5.0));
+  }
+  if (!(count <= kMostKeptFacets)) {
+    throw CsgFailure(node, node.name + ": more than " + std::to_string(static_cast<int>(kMostKeptFacets)) +
+                               " facets to a turn; leave out --facets or lower $fn");
+  }
+  return static_cast<size_t>(count);
 }
 
 }  // namespace tetragauge

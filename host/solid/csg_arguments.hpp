@@ -30,8 +30,9 @@ std::vector<std::vector<size_t>> index_lists_argument(const CsgNode& node, std::
                                                       size_t limit);
 Affine matrix_argument(const CsgNode& node);
 
-// Sides of a faceted body; 0: truly round. $fn of 3 to 36 is a prism, as its author meant; 0 or more than 36
-// approximates a round one.
-size_t facets(const CsgNode& node);
+// Sides of a faceted body of this radius; 0: truly round. $fn of 3 to 36 is a prism, as its author meant; 0
+// or more than 36 approximates a round one. With node.keep_facets as many as OpenSCAD makes of $fn, $fa and
+// $fs.
+size_t facets(const CsgNode& node, double radius_mm);
 
 }  // namespace tetragauge

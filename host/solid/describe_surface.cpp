@@ -90,6 +90,7 @@ void describe_torus(const gp_Torus& torus, const Sample& sample, Face& face) {
   face.type = SurfaceType::torus;
   face.axis = canonical_axis(vec(torus.Axis().Direction().XYZ()));
   face.radius_mm = torus.MajorRadius();
+  face.minor_radius_mm = torus.MinorRadius();
   face.point_on_axis_mm = vec(torus.Location().XYZ());
   const Vec3 r = sample.point - face.point_on_axis_mm;
   const Vec3 radial = (r - face.axis * face.axis.dot(r)).normalized();
@@ -98,9 +99,8 @@ void describe_torus(const gp_Torus& torus, const Sample& sample, Face& face) {
 
 }  // namespace
 
-DescribedFace describe_surface(const TopoDS_Face& shape) {
-  DescribedFace described;
-  Face& face = described.face;
+Face describe_surface(const TopoDS_Face& shape) {
+  Face face;
   GProp_GProps properties;
   BRepGProp::SurfaceProperties(shape, properties);
   face.area_mm2 = std::abs(properties.Mass());
@@ -123,13 +123,12 @@ DescribedFace describe_surface(const TopoDS_Face& shape) {
       break;
     case GeomAbs_Torus:
       describe_torus(surface.Torus(), sample, face);
-      described.minor_radius_mm = surface.Torus().MinorRadius();
       break;
     default:
       face.type = SurfaceType::other;
       break;
   }
-  return described;
+  return face;
 }
 
 }  // namespace tetragauge

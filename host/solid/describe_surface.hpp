@@ -8,11 +8,7 @@
 
 namespace tetragauge {
 
-struct DescribedFace {
-  Face face;                   // ids and neighbours are left to the caller
-  double minor_radius_mm = 0;  // torus
-};
-
-DescribedFace describe_surface(const TopoDS_Face& face);
+// Ids and neighbours are left to the caller.
+Face describe_surface(const TopoDS_Face& face);
 
 }  // namespace tetragauge

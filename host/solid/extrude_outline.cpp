@@ -169,19 +169,23 @@ TopoDS_Shape rotate_extrude(const CsgNode& node, const Affine& M) {
   if (clamped_deg == 0) throw CsgFailure(node, "rotate_extrude: 'angle' must not be 0");
   const bool is_ring = std::abs(clamped_deg) == 360;
   const std::optional<AxialScale> scale = axial_scale(M);
-  const size_t sides = facets(node);
+  const bool is_faceted = facets(node, 1) > 0;
 
   Affine stretch;  // the outline's y becomes z
-  if (sides == 0 && scale) stretch.A(1, 1) = scale->along_z;
+  if (!is_faceted && scale) stretch.A(1, 1) = scale->along_z;
   const TopoDS_Shape outline = build_outline(node.children, stretch);
   if (outline.IsNull()) return {};
+  double reach = 0;
   for (TopExp_Explorer vertex(outline, TopAbs_VERTEX); vertex.More(); vertex.Next()) {
-    if (BRep_Tool::Pnt(TopoDS::Vertex(vertex.Current())).X() >= -1e-9) continue;
+    const double x = BRep_Tool::Pnt(TopoDS::Vertex(vertex.Current())).X();
+    reach = std::max(reach, x);
+    if (x >= -1e-9) continue;
     throw CsgFailure(node,
                      "rotate_extrude: the outline must lie at x >= 0; move it to the right of the axis");
   }
 
-  if (sides > 0) {
+  if (is_faceted) {
+    const size_t sides = facets(node, reach);
     const auto faces = straight_loops(outline);
     if (!faces) throw CsgFailure(node, not_exact(node, "a round outline turned in facets"));
     // OpenSCAD starts a full turn at -x, a part of one at +x, and takes its share of $fn for a part, at

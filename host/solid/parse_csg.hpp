@@ -22,7 +22,8 @@ struct CsgValue {
 
 struct CsgNode {
   std::string name;
-  int line = 0;  // from 1
+  int line = 0;              // from 1
+  bool keep_facets = false;  // round bodies as OpenSCAD's facets; set by whoever builds the shape
   std::vector<std::pair<std::string, CsgValue>> arguments;
   std::vector<CsgNode> children;
 };

@@ -16,8 +16,10 @@
 namespace tetragauge {
 
 struct ReadSolidOptions {
-  std::optional<double>
-      unit_scale_mm;              // for files without a unit (.csg: mm unless given); STEP declares its own
+  std::optional<double> unit_scale_mm;  // for files that state no unit (all but STEP); mm unless given
+  // .csg: $fn as written, whatever it is; meshes: every plane facet is a face, none is taken for part of a
+  // curve.
+  bool keep_facets = false;
   double tessellation_mm = 0.02;  // chordal deviation of the triangles from the true face
 };
 
@@ -39,7 +41,8 @@ struct Solid {
   const std::vector<Face>& faces() const { return list.faces; }
 };
 
-// .step .stp (declared unit to mm), .csg (as OpenSCAD exports it). Unreadable or open solids are errors.
+// .step .stp (declared unit to mm), .csg (as OpenSCAD exports it), meshes: .stl .obj .ply .off. Unreadable or
+// open solids are errors.
 Result<Solid> read_solid(const std::filesystem::path& path, const ReadSolidOptions& options = {});
 
 // The same solid turned and shifted: p' = T * p. Ids stay those of the input.
