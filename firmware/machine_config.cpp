@@ -211,8 +211,8 @@ MachineConfig nominal_config() {
   stage.has_table = stage.has_slide = true;
   // min, max, speed, acceleration, homing, latch, home, backlash, jerk
   stage.table = {-18'000, 36'000, 9'000, 36'000, 9'000, 500, -18'100, 20, 720'000};
-  // Homing stops within 4000 (4000 / 100,000 + 100,000 / 4,000,000) / 2 = 130 steps and what a planned stop is
-  // ahead: the end switch, 200 below the edge, is not reached.
+  // Homing stops within 4000 (4000 / 100,000 + 100,000 / 4,000,000) / 2 = 130 steps and what a planned stop
+  // is ahead: the end switch, 200 below the edge, is not reached.
   stage.slide = {-200, 60'200, 20'000, 100'000, 4'000, 500, -400, 20, 4'000'000};
 
   // base, per mrad, max, laser, weak, flag, rail, ambient, gap mm, gap sigmas, mis-assembled after, stage,
@@ -366,6 +366,8 @@ MachineGeometry<Scalar> geometry_of(const MachineConfig& config) {
   for (int i = 0; i < 2; ++i) {
     const tg_CameraConfig& from = config.camera[i];
     CameraGeometry<Scalar>& camera = machine.camera[i];
+    camera.detector = from.detector == tg_DetectorType_DETECTOR_TETRALATERAL ? Detector::kTetralateral
+                                                                             : Detector::kDuolateral;
     camera.centre = vector_of<Scalar>(from.centre_mm);
     camera.x_axis = vector_of<Scalar>(from.x_axis);
     camera.y_axis = vector_of<Scalar>(from.y_axis);

@@ -9,7 +9,7 @@ namespace {
 
 using Scalar = MachineScalar;
 
-constexpr Scalar kFullScaleSum = 65'535;  // two channels
+constexpr Scalar kFullScaleCurrent = 65'535;  // two channels
 // Ambient light that changed between before and after by more than this many sigmas of its own noise and this
 // share of the signal would be left in the result.
 constexpr Scalar kAmbientChangeSigmas = 8;
@@ -38,62 +38,69 @@ Channel channel_of(const CameraGeometry<Scalar>& camera, const RaySamples& sampl
   return channel;
 }
 
-// Position along one axis from its pair of electrodes, and its standard deviation by the derivative of
-// h (x2 - x1) / (x2 + x1): 2 h x2 / s^2 and 2 h x1 / s^2.
-struct PairPosition {
-  Scalar position{}, sigma{}, sum{};
+// Position along one axis from its pair of electrodes, x = h d / s with d = c2 - c1 and s the photocurrent:
+// of the pair (duolateral) or of all four (tetralateral). Its standard deviation by the derivatives of that,
+// h (s - d) / s^2 by c2, - h (s + d) / s^2 by c1, and with four electrodes - h d / s^2 by the other two.
+struct AxisPosition {
+  Scalar position{}, sigma{}, current{};
 };
 
-PairPosition position_of(const CameraGeometry<Scalar>& camera, const Channel& c1, const Channel& c2) {
-  PairPosition pair;
-  pair.sum = c1.light + c2.light;
-  if (!(pair.sum > 0)) return pair;
-  const Scalar h = camera.half_size_mm;
-  pair.position = h * (c2.light - c1.light) / pair.sum;
-  const Scalar by_1 = 2 * h * c2.light / (pair.sum * pair.sum);
-  const Scalar by_2 = 2 * h * c1.light / (pair.sum * pair.sum);
-  pair.sigma = square_root(by_1 * by_1 * c1.variance + by_2 * by_2 * c2.variance +
-                           camera.position_sigma_mm * camera.position_sigma_mm);
-  return pair;
+AxisPosition position_of(const CameraGeometry<Scalar>& camera, const Channel (&own)[2],
+                         const Channel (&other)[2]) {
+  const bool shared = camera.detector == Detector::kTetralateral;
+  AxisPosition axis;
+  axis.current = own[0].light + own[1].light;
+  if (shared) axis.current = axis.current + other[0].light + other[1].light;
+  if (!(axis.current > 0)) return axis;
+  const Scalar h = camera.half_size_mm, s = axis.current, d = own[1].light - own[0].light;
+  axis.position = h * d / s;
+  const Scalar by_1 = (s + d) / s, by_2 = (s - d) / s, by_other = d / s;
+  Scalar variance = by_1 * by_1 * own[0].variance + by_2 * by_2 * own[1].variance;
+  if (shared) variance = variance + by_other * by_other * (other[0].variance + other[1].variance);
+  axis.sigma = square_root(h * h / (s * s) * variance + camera.position_sigma_mm * camera.position_sigma_mm);
+  return axis;
 }
 
 struct CameraReading {
   CameraView<Scalar> view;
-  Scalar sum{};  // mean of both pairs
+  Scalar current{};  // of the photodiode, codes: with two pairs their mean
   bool saturated = false, ambient = false;
 };
 
 CameraReading reading_of(const CameraGeometry<Scalar>& camera, const tg_MeasureConfig& config,
                          const RaySamples& samples, int index) {
   CameraReading reading;
-  Channel channels[4];
-  Scalar ambient_sum = 0, change = 0, change_variance = 0;
+  // Of the four codes' sum, how much is the photocurrent: with two pairs, each carries the whole.
+  const Scalar share = camera.detector == Detector::kTetralateral ? Scalar(1) : Scalar(0.5);
+  Channel channels[2][2];  // x, y
+  Scalar ambient_current = 0, change = 0, change_variance = 0;
   for (int c = 0; c < 4; ++c) {
-    channels[c] = channel_of(camera, samples, 4 * index + c);
-    ambient_sum += channels[c].ambient / 2;
-    change += channels[c].change / 2;
-    const Scalar one =
-        camera.dark_variance_codes2 +
-        camera.shot_variance_codes * (channels[c].ambient > 0 ? channels[c].ambient : Scalar(0));
-    change_variance += one * (samples.noise(Light::kOffBefore) + samples.noise(Light::kOffAfter)) / 4;
+    Channel& channel = channels[c / 2][c % 2];
+    channel = channel_of(camera, samples, 4 * index + c);
+    ambient_current += channel.ambient * share;
+    change += channel.change * share;
+    const Scalar one = camera.dark_variance_codes2 +
+                       camera.shot_variance_codes * (channel.ambient > 0 ? channel.ambient : Scalar(0));
+    change_variance +=
+        one * (samples.noise(Light::kOffBefore) + samples.noise(Light::kOffAfter)) * share * share;
   }
-  const PairPosition x = position_of(camera, channels[0], channels[1]);
-  const PairPosition y = position_of(camera, channels[2], channels[3]);
-  reading.sum = (x.sum + y.sum) / 2;
+  const AxisPosition x = position_of(camera, channels[0], channels[1]);
+  const AxisPosition y = position_of(camera, channels[1], channels[0]);
+  reading.current = (x.current + y.current) / 2;
 
   const uint32_t mine = 0xFu << (4 * index);
   reading.saturated = (samples.on_rail(Light::kOn) & mine) != 0;
   const Scalar change_size = change < 0 ? -change : change;
   reading.ambient = ((samples.on_rail(Light::kOffBefore) | samples.on_rail(Light::kOffAfter)) & mine) != 0 ||
-                    ambient_sum >= static_cast<Scalar>(config.ambient_codes) ||
+                    ambient_current >= static_cast<Scalar>(config.ambient_codes) ||
                     (change_size > kAmbientChangeSigmas * square_root(change_variance) &&
-                     change_size > kAmbientChangeShare * reading.sum);
+                     change_size > kAmbientChangeShare * reading.current);
 
   const Scalar edge = camera.half_size_mm;
   const auto on_detector = [edge](Scalar p) { return p > -edge && p < edge; };
-  reading.view.used = !reading.saturated && !reading.ambient && x.sum > 0 && y.sum > 0 &&
-                      reading.sum >= static_cast<Scalar>(config.weak_sum_codes) && on_detector(x.position) &&
-                      on_detector(y.position);
+  reading.view.used = !reading.saturated && !reading.ambient && x.current > 0 && y.current > 0 &&
+                      reading.current >= static_cast<Scalar>(config.weak_sum_codes) &&
+                      on_detector(x.position) && on_detector(y.position);
   reading.view.position = {x.position, y.position};
   reading.view.sigma_x_mm = x.sigma;
   reading.view.sigma_y_mm = y.sigma;
@@ -147,9 +154,9 @@ BeamRecord judge_ray(const MachineGeometry<Scalar>& machine, const tg_MeasureCon
   record.sigma_100nm = sigma_100nm > 0 ? static_cast<uint32_t>(sigma_100nm) : 1u;
   Scalar light = 0;
   for (int i = 0; i < 2; ++i) {
-    if (views[i].used) light += readings[i].sum / static_cast<Scalar>(used);
+    if (views[i].used) light += readings[i].current / static_cast<Scalar>(used);
   }
-  record.intensity_permille = static_cast<uint32_t>(rounded(light * 1000 / kFullScaleSum));
+  record.intensity_permille = static_cast<uint32_t>(rounded(light * 1000 / kFullScaleCurrent));
   if (!place.settled) record.flags |= tg_PointFlag_POINT_UNSETTLED;
   if (used == 1) record.flags |= tg_PointFlag_POINT_ONE_CAMERA;
   if (light < static_cast<Scalar>(config.flag_sum_codes)) record.flags |= tg_PointFlag_POINT_WEAK;

@@ -3,6 +3,8 @@
 // the default.
 #pragma once
 
+#include <cstdint>
+
 #include "firmware/optics/vector.hpp"
 
 namespace tetragauge {
@@ -22,9 +24,16 @@ struct GalvoGeometry {
 
 inline constexpr int kDistortionTerms = 7;
 
-// A duolateral detector behind a lens.
+// How a detector's four electrodes share the photocurrent.
+enum class Detector : uint8_t {
+  kDuolateral,    // each pair carries all of it: x = h (x2 - x1) / (x1 + x2), y alike
+  kTetralateral,  // all four share it: x = h (x2 - x1) / (x1 + x2 + y1 + y2); its pin-cushion is distortion
+};
+
+// A position-sensitive detector behind a lens.
 template <class Scalar>
 struct CameraGeometry {
+  Detector detector = Detector::kDuolateral;
   Vector3<Scalar> centre;          // of projection
   Vector3<Scalar> x_axis, y_axis;  // along the detector; x cross y looks out into the scene
   Scalar focal_mm{};

@@ -17,12 +17,13 @@ struct DetectorPosition {
   Scalar x_mm{}, y_mm{};
 };
 
-// The set of points p with project(p) = position: p = centre + t direction. n_x is the gradient of the
+// The set of points p with project(p) = position: p = centre + t direction. n_x is the gradient of the ideal
 // projection's x times t: a displacement d of the spot at t moves x by n_x . d / t; n_y alike.
 template <class Scalar>
 struct CameraRay {
   Vector3<Scalar> origin, direction;  // direction has length about f
   Vector3<Scalar> n_x, n_y;
+  Scalar x_by_x{}, x_by_y{}, y_by_x{}, y_by_y{};  // slope of the ideal position over the measured one
 };
 
 namespace detail {
@@ -55,6 +56,26 @@ DetectorPosition<Scalar> distortion(const CameraGeometry<Scalar>& camera,
   }
   return sum;
 }
+
+// Its derivatives, and the measured position's own.
+template <class Scalar>
+void distortion_slope(const CameraGeometry<Scalar>& camera, const DetectorPosition<Scalar>& at,
+                      CameraRay<Scalar>* ray) {
+  const Scalar h = camera.half_size_mm, u = at.x_mm / h, v = at.y_mm / h;
+  const Scalar by_u[kDistortionTerms] = {2 * u, v, 0, 3 * u * u, 2 * u * v, v * v, 0};
+  const Scalar by_v[kDistortionTerms] = {0, u, 2 * v, 0, u * u, 2 * u * v, 3 * v * v};
+  Scalar xu{}, xv{}, yu{}, yv{};
+  for (int i = 0; i < kDistortionTerms; ++i) {
+    xu = xu + camera.distortion_x[i] * by_u[i];
+    xv = xv + camera.distortion_x[i] * by_v[i];
+    yu = yu + camera.distortion_y[i] * by_u[i];
+    yv = yv + camera.distortion_y[i] * by_v[i];
+  }
+  ray->x_by_x = Scalar(1) + xu / h;
+  ray->x_by_y = xv / h;
+  ray->y_by_x = yu / h;
+  ray->y_by_y = Scalar(1) + yv / h;
+}
 }  // namespace detail
 
 template <class Scalar>
@@ -65,6 +86,7 @@ CameraRay<Scalar> ray_from_detector(const CameraGeometry<Scalar>& camera,
   const Scalar y = measured.y_mm - camera.centre_y_mm + bend.y_mm;
   const detail::DetectorAxes<Scalar> axes = detail::detector_axes(camera);
   CameraRay<Scalar> ray;
+  detail::distortion_slope(camera, measured, &ray);
   ray.origin = camera.centre;
   ray.direction = axes.z * camera.focal_mm + axes.x * x + axes.y * y;
   // Planes through the centre that hold the ray and one detector axis, scaled so that n_x . axes.x = 1.

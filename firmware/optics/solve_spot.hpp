@@ -5,8 +5,9 @@
 //   Spot<float> spot = solve_spot(geometry, beam, {view_1, view_2});
 //
 // Rows n . p = n . o with standard deviation s: two across the beam (s = range * direction_sigma), two for
-// each camera (psd_camera.hpp: s = t * sigma of the detector position). Covariance C = (sum n n' / s^2)^-1;
-// sigma along the beam d is sqrt(d' C d). Solved about a first guess, so that float keeps its digits.
+// each camera (psd_camera.hpp: s = t * sigma of the detector position, through the slope of the distortion).
+// Covariance C = (sum n n' / s^2)^-1; sigma along the beam d is sqrt(d' C d). Solved about a first guess, so
+// that float keeps its digits.
 #pragma once
 
 #include "firmware/optics/galvo.hpp"
@@ -92,6 +93,17 @@ Spot<Scalar> solve_spot(const MachineGeometry<Scalar>& machine, const Beam<Scala
   }
   if (!(best > Scalar(1e-4)) || !(range > 0)) return spot;
 
+  // Of the ideal positions.
+  Scalar sigma_x[2]{}, sigma_y[2]{};
+  for (int i = 0; i < 2; ++i) {
+    if (!views[i].used) continue;
+    const auto through = [&](Scalar by_x, Scalar by_y) {
+      const Scalar x = by_x * views[i].sigma_x_mm, y = by_y * views[i].sigma_y_mm;
+      return square_root(x * x + y * y);
+    };
+    sigma_x[i] = through(rays[i].x_by_x, rays[i].x_by_y);
+    sigma_y[i] = through(rays[i].y_by_x, rays[i].y_by_y);
+  }
   Vector3<Scalar> u, v;
   detail::across(beam.direction, &u, &v);
   spot.point = beam.origin + beam.direction * range;
@@ -109,8 +121,8 @@ Spot<Scalar> solve_spot(const MachineGeometry<Scalar>& machine, const Beam<Scala
       const CameraRay<Scalar>& ray = rays[i];
       const Vector3<Scalar> from_camera = ray.origin - spot.point;
       const Scalar t = -dot(from_camera, ray.direction) / dot(ray.direction, ray.direction);
-      equations.add(ray.n_x, dot(ray.n_x, from_camera), t * views[i].sigma_x_mm);
-      equations.add(ray.n_y, dot(ray.n_y, from_camera), t * views[i].sigma_y_mm);
+      equations.add(ray.n_x, dot(ray.n_x, from_camera), t * sigma_x[i]);
+      equations.add(ray.n_y, dot(ray.n_y, from_camera), t * sigma_y[i]);
     }
     const Scalar det = equations.determinant();
     if (!(det > 0)) return spot;
@@ -132,8 +144,7 @@ Spot<Scalar> solve_spot(const MachineGeometry<Scalar>& machine, const Beam<Scala
     if (!views[i].used) continue;
     const Vector3<Scalar> d = rays[i].direction;
     const Scalar inverse_length = Scalar(1) / length(d);
-    const Scalar sigma =
-        views[i].sigma_x_mm > views[i].sigma_y_mm ? views[i].sigma_x_mm : views[i].sigma_y_mm;
+    const Scalar sigma = sigma_x[i] > sigma_y[i] ? sigma_x[i] : sigma_y[i];
     const Vector3<Scalar> from_camera = spot.point - rays[i].origin;
     consider(from_camera, d * inverse_length, length(from_camera) * inverse_length * sigma);
   }
