@@ -36,34 +36,44 @@ SpotImage add_speckle(const Numbers& n, const TrueCamera& camera, SpotImage imag
   return image;
 }
 
-DetectorElectronics::DetectorElectronics(const Numbers& n)
-    : ambient_A_(0.5 * n.ambient_A),  // each electrode's share: the light is spread evenly
+DetectorElectronics::DetectorElectronics(const Numbers& n, size_t camera)
+    : steps_per_A_(n.gain_V_A * std::ldexp(1.0, n.converter_bits - 1) / n.full_scale_V),
       rail_steps_(std::ldexp(1.0, n.converter_bits - 1)),
       code_per_step_(std::ldexp(1.0, 16 - n.converter_bits)) {
-  steps_per_A_ = n.gain_V_A * rail_steps_ / n.full_scale_V;
   const double steps2_per_A2_Hz = steps_per_A_ * steps_per_A_ * n.noise_bandwidth_Hz;
   dark_variance_steps2_ =
       dark_noise_A2_Hz(n) * steps2_per_A2_Hz + n.converter_noise_lsb * n.converter_noise_lsb;
   shot_variance_steps2_A_ = 2 * kElectronCharge_C * steps2_per_A2_Hz;
+  // The two shapes a converter's curve usually has, mixed otherwise in each channel of this machine; together
+  // they stay within the limit.
+  for (size_t channel = 0; channel < non_linearity_.size(); ++channel) {
+    const uint64_t draw = mix_bits(4 * camera + channel);
+    const double mix = static_cast<double>(draw >> 11) * 0x1p-53;
+    non_linearity_[channel] = {n.converter_inl_lsb * mix * ((draw & 1) != 0 ? 1 : -1),
+                               n.converter_inl_lsb * (1 - mix) * ((draw & 2) != 0 ? 1 : -1)};
+  }
 }
 
-int16_t DetectorElectronics::convert(double current_A, double noise) const {
+int16_t DetectorElectronics::convert(size_t channel, double current_A, double noise) const {
   const double sigma_steps =
       std::sqrt(dark_variance_steps2_ + shot_variance_steps2_A_ * std::max(current_A, 0.0));
-  const double step = std::floor(current_A * steps_per_A_ + noise * sigma_steps + 0.5);
+  const double true_steps = current_A * steps_per_A_ + noise * sigma_steps;
+  const double x = std::clamp(true_steps / rail_steps_, -1.0, 1.0);
+  const NonLinearity& curve = non_linearity_[channel];
+  const double error = curve.bow * (1 - x * x) + curve.s * std::sin(std::numbers::pi * x);
+  const double step = std::floor(true_steps + error + 0.5);
   // Codes are left-aligned to 16 bits, as the board delivers them.
   return static_cast<int16_t>(std::clamp(step, -rail_steps_, rail_steps_ - 1) * code_per_step_);
 }
 
-DetectorCodes DetectorElectronics::sample(const SpotImage& image, double lit, double flash_A,
+DetectorCodes DetectorElectronics::sample(const SpotImage& image, double lit, double ambient_A,
                                           uint64_t key) const {
   // Each pair of electrodes carries the whole photocurrent, shared by the spot's place.
-  const double half = 0.5 * lit * image.current_A;
+  const double half = 0.5 * lit * image.current_A, ambient = 0.5 * ambient_A;
   const auto [nx1, nx2] = normal_pair(combine_key(key, 0));
   const auto [ny1, ny2] = normal_pair(combine_key(key, 1));
-  const double ambient = ambient_A_ + 0.5 * flash_A;
-  return {convert(half * (1 - image.x) + ambient, nx1), convert(half * (1 + image.x) + ambient, nx2),
-          convert(half * (1 - image.y) + ambient, ny1), convert(half * (1 + image.y) + ambient, ny2)};
+  return {convert(0, half * (1 - image.x) + ambient, nx1), convert(1, half * (1 + image.x) + ambient, nx2),
+          convert(2, half * (1 - image.y) + ambient, ny1), convert(3, half * (1 + image.y) + ambient, ny2)};
 }
 
 }  // namespace tetragauge::sim

@@ -22,16 +22,23 @@ SpotImage add_speckle(const Numbers& numbers, const TrueCamera& camera, SpotImag
 // Amplifiers and converter of one detector.
 class DetectorElectronics {
  public:
-  explicit DetectorElectronics(const Numbers& numbers);
+  // `camera` (0 or 1): each channel has its own non-linearity.
+  DetectorElectronics(const Numbers& numbers, size_t camera);
 
-  // One sample. `lit`: 0 .. 1, how far the laser is on. `flash_A`: ambient light above the steady one. `key`
+  // One sample. `lit`: 0 .. 1, how far the laser is on. `ambient_A`: of the detector, spread over it. `key`
   // belongs to the place, the sample and the camera.
-  DetectorCodes sample(const SpotImage& image, double lit, double flash_A, uint64_t key) const;
+  DetectorCodes sample(const SpotImage& image, double lit, double ambient_A, uint64_t key) const;
 
  private:
-  int16_t convert(double current_A, double noise) const;
+  int16_t convert(size_t channel, double current_A, double noise) const;
 
-  double ambient_A_, steps_per_A_;
+  // Of one channel: bow (1 - x^2) + s sin(pi x), x the share of full scale; steps.
+  struct NonLinearity {
+    double bow = 0, s = 0;
+  };
+
+  double steps_per_A_;
+  std::array<NonLinearity, 4> non_linearity_;
   double dark_variance_steps2_, shot_variance_steps2_A_;  // of one sample: without light, and for each ampere
   double rail_steps_, code_per_step_;
 };

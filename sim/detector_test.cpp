@@ -47,8 +47,8 @@ TEST(DetectorElectronics, CodesCarryPositionAndCurrent) {
   Numbers quiet;
   quiet.noise_bandwidth_Hz = 0;
   quiet.converter_noise_lsb = 0;
-  quiet.ambient_A = 0;
-  const DetectorElectronics electronics(quiet);
+  quiet.converter_inl_lsb = 0;
+  const DetectorElectronics electronics(quiet, 0);
   // 1 uA through 1 MOhm is 1 V: 6553.6 steps of 5 V / 32768, shared 3 to 1 at half the half side.
   const DetectorCodes codes =
       electronics.sample({.current_A = 1e-6, .x = 0.5, .y = -0.5, .magnification = 0.1}, 1, 0, 0);
@@ -67,21 +67,40 @@ TEST(DetectorElectronics, CodesCarryPositionAndCurrent) {
 TEST(DetectorElectronics, TwelveBitsAreLeftAligned) {
   Numbers numbers;
   numbers.converter_bits = 12;
-  const DetectorElectronics electronics(numbers);
+  const DetectorElectronics electronics(numbers, 0);
   for (uint64_t key = 0; key < 20; ++key) {
     EXPECT_EQ(
-        electronics.sample({.current_A = 1e-6, .x = 0.1, .y = 0.2, .magnification = 0.1}, 1, 0, key).x1 % 16,
+        electronics.sample({.current_A = 1e-6, .x = 0.1, .y = 0.2, .magnification = 0.1}, 1, 0.1e-6, key).x1 %
+            16,
         0);
   }
 }
 
+TEST(DetectorElectronics, NonLinearityStaysWithinItsLimitAndReachesAFairShareOfIt) {
+  Numbers straight, bent;
+  for (Numbers* n : {&straight, &bent}) n->noise_bandwidth_Hz = n->converter_noise_lsb = 0;
+  straight.converter_inl_lsb = 0;
+  bent.converter_inl_lsb = 24;
+  for (size_t camera = 0; camera < 2; ++camera) {
+    const DetectorElectronics a(straight, camera), b(bent, camera);
+    int largest = 0;
+    for (double current_A = 0; current_A < 9e-6; current_A += 0.05e-6) {
+      const SpotImage image{.current_A = current_A, .x = 0, .y = 0, .magnification = 0.1};
+      largest = std::max(largest, std::abs(a.sample(image, 1, 0, 0).x1 - b.sample(image, 1, 0, 0).x1));
+    }
+    EXPECT_LE(largest, 25);
+    EXPECT_GE(largest, 8);
+  }
+}
+
 TEST(DetectorElectronics, NoiseIsTheHandCalculation) {
-  const DetectorElectronics electronics(Numbers{});
+  const DetectorElectronics electronics(Numbers{}, 0);
   Statistics dark, bright;
   for (uint64_t key = 0; key < 50'000; ++key) {
-    dark.add(electronics.sample({}, 0, 0, mix_bits(key)).x1);
+    dark.add(electronics.sample({}, 0, 0.1e-6, mix_bits(key)).x1);
     bright.add(
-        electronics.sample({.current_A = 8e-6, .x = 0, .y = 0, .magnification = 0.1}, 1, 0, mix_bits(key))
+        electronics
+            .sample({.current_A = 8e-6, .x = 0, .y = 0, .magnification = 0.1}, 1, 0.1e-6, mix_bits(key))
             .x1);
   }
   // docs/machine.md: 1.49 steps without light; each micro-ampere adds 2 q I B R^2 = (0.48 steps)^2.

@@ -31,7 +31,9 @@ struct Numbers {
   double temperature_K = 300;
   double amplifier_voltage_noise_V = 8e-9;  // per sqrt(Hz)
   double speckle_contrast = 1;
-  double ambient_A = 0.1e-6;  // lit room through the band filter, spread over the detector
+  double ambient_A = 0.1e-6;     // lit room through the band filter, spread over the detector
+  double ambient_flicker = 0;    // share of it that swings with the mains' half waves (100 Hz)
+  double ambient_drift_A_s = 0;  // what it grows by in a second
 
   // Amplifier and converter: 16 bit, +-full scale, all channels at once.
   double gain_V_A = 1e6;
@@ -39,15 +41,18 @@ struct Numbers {
   int converter_bits = 16;
   double noise_bandwidth_Hz = 17e3;   // the converter's own second-order filter
   double converter_noise_lsb = 0.67;  // rms
+  double converter_inl_lsb = 0.5;     // integral non-linearity of the worst channel, peak; of its own steps
 
   // Mirrors.
   MirrorDynamics mirror{.natural_rad_s = 15300, .damping = 0.75, .slew_rad_s = 140};
   double mirror_repeatability_rad = 8e-6;  // rms, mechanical, one draw for each place
   double rad_per_mirror_code = 6e-6;       // mechanical; 16-bit converter
 
-  // Stage: geared to 0.01 degrees and 5 um a step; where the switches close.
+  // Stage: geared to 0.01 degrees and 5 um a step, with play behind the motor; where the switches, on the
+  // moving side, close.
   int32_t table_steps_per_turn = 36'000;
   double slide_mm_per_step = 0.005;
+  int32_t table_backlash_steps = 3, slide_backlash_steps = 2;
   int32_t table_home_steps = -18'100, slide_home_steps = -400;
   int32_t slide_limit_low_steps = -600, slide_limit_high_steps = 60'400;
   int32_t table_start_steps = 2'500, slide_start_steps = 3'000;  // where the axes stand when power comes on

@@ -40,23 +40,20 @@ Result<Solid> stand_on_table(const Solid& model, const RigidTransform& place, co
   return standing;
 }
 
-PartOnTable::PartOnTable(const Solid& standing, double part_albedo, double table_albedo,
-                         double table_radius_mm)
-    : part_(standing),
-      part_albedo_(part_albedo),
-      table_albedo_(table_albedo),
-      table_radius_mm_(table_radius_mm) {}
+PartOnTable::PartOnTable(const Solid& standing, double part_albedo, const TableTop& table)
+    : part_(standing), part_albedo_(part_albedo), table_(table) {}
 
 std::optional<SurfaceHit> PartOnTable::first_hit(const Vec3& origin, const Vec3& direction) const {
   std::optional<SurfaceHit> found;
   if (const auto hit = part_.first_hit(origin, direction)) {
     found = SurfaceHit{hit->distance_mm, hit->point_mm, hit->normal, part_albedo_};
   }
-  if (direction.z() < 0 && origin.z() > 0) {
-    const double distance = -origin.z() / direction.z();
+  const double height = table_.normal.dot(origin), sinks = -table_.normal.dot(direction);
+  if (sinks > 0 && height > 0) {
+    const double distance = height / sinks;
     const Vec3 at = origin + distance * direction;
-    if (std::hypot(at.x(), at.y()) <= table_radius_mm_ && (!found || distance < found->distance_mm)) {
-      found = SurfaceHit{distance, at, Vec3::UnitZ(), table_albedo_};
+    if (at.norm() <= table_.radius_mm && (!found || distance < found->distance_mm)) {
+      found = SurfaceHit{distance, at, table_.normal, table_.albedo};
     }
   }
   return found;

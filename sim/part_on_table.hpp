@@ -25,9 +25,15 @@ struct SurfaceHit {
   double albedo = 0;
 };
 
+// A disc about the origin.
+struct TableTop {
+  Vec3 normal = Vec3::UnitZ();
+  double radius_mm = 0, albedo = 0;
+};
+
 class PartOnTable {
  public:
-  PartOnTable(const Solid& standing, double part_albedo, double table_albedo, double table_radius_mm);
+  PartOnTable(const Solid& standing, double part_albedo, const TableTop& table);
 
   // What a beam meets first: part or table top. Part frame.
   std::optional<SurfaceHit> first_hit(const Vec3& origin, const Vec3& direction) const;
@@ -36,7 +42,8 @@ class PartOnTable {
 
  private:
   RayCaster part_;
-  double part_albedo_, table_albedo_, table_radius_mm_;
+  double part_albedo_;
+  TableTop table_;
 };
 
 }  // namespace tetragauge::sim

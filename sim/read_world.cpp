@@ -23,6 +23,7 @@ constexpr double kDegree = std::numbers::pi / 180;
 struct Number {
   double lowest, highest;
   std::function<void(WorldSetup&, double)> set;
+  bool whole = false;
 };
 struct Triple {
   std::function<void(WorldSetup&, const Vec3&)> set;
@@ -45,6 +46,17 @@ void move_head(TrueGeometry& g, const RigidTransform& motion) {
     mirror->axis = motion.R * mirror->axis;
     mirror->normal_at_zero = motion.R * mirror->normal_at_zero;
   }
+}
+
+Number number(double lowest, double highest, double Numbers::*field, double unit = 1) {
+  return {lowest, highest, [=](WorldSetup& s, double v) { s.numbers.*field = v * unit; }, false};
+}
+Number number(double lowest, double highest, double MirrorDynamics::*field) {
+  return {lowest, highest, [=](WorldSetup& s, double v) { s.numbers.mirror.*field = v; }, false};
+}
+Number whole_number(double lowest, double highest, int Numbers::*field) {
+  return {lowest, highest, [=](WorldSetup& s, double v) { s.numbers.*field = static_cast<int32_t>(v); },
+          true};
 }
 
 Section camera_keys(size_t c) {
@@ -91,24 +103,57 @@ const std::map<std::string, Section, std::less<>>& sections() {
         {"axis_turn_deg", Triple{[](WorldSetup& s, const Vec3& v) {
            Vec3& axis = s.geometry.rotary_axis.direction;
            axis = rotation_from_degrees(v.x(), v.y(), v.z()) * axis;
+         }}},
+        {"top_turn_deg", Triple{[](WorldSetup& s, const Vec3& v) {
+           s.geometry.table_top_normal = rotation_from_degrees(v.x(), v.y(), v.z()) * Vec3::UnitZ();
          }}}}},
       {"slide", {{"turn_deg", Triple{[](WorldSetup& s, const Vec3& v) {
                     s.geometry.slide_direction =
                         rotation_from_degrees(v.x(), v.y(), v.z()) * s.geometry.slide_direction;
                   }}}}},
       {"light",
-       {{"laser_mW", Number{0, 100, [](WorldSetup& s, double v) { s.numbers.laser_W = v * 1e-3; }}},
-        {"part_albedo", Number{0, 1, [](WorldSetup& s, double v) { s.numbers.part_albedo = v; }}},
-        {"table_albedo", Number{0, 1, [](WorldSetup& s, double v) { s.numbers.table_albedo = v; }}},
-        {"ambient_uA", Number{0, 100, [](WorldSetup& s, double v) { s.numbers.ambient_A = v * 1e-6; }}},
-        {"speckle_contrast", Number{0, 1, [](WorldSetup& s, double v) { s.numbers.speckle_contrast = v; }}}}},
+       {{"laser_mW", number(0, 100, &Numbers::laser_W, 1e-3)},
+        {"wavelength_nm", number(200, 1200, &Numbers::wavelength_mm, 1e-6)},
+        {"waist_mm", number(0.005, 5, &Numbers::waist_mm)},
+        {"focus_mm", number(50, 5000, &Numbers::focus_distance_mm)},
+        {"laser_rise_us", number(0.01, 1e5, &Numbers::laser_rise_s, 1e-6)},
+        {"part_albedo", number(0, 1, &Numbers::part_albedo)},
+        {"table_albedo", number(0, 1, &Numbers::table_albedo)},
+        {"ambient_uA", number(0, 100, &Numbers::ambient_A, 1e-6)},
+        {"ambient_flicker", number(0, 1, &Numbers::ambient_flicker)},
+        {"ambient_drift_uA_s", number(0, 10, &Numbers::ambient_drift_A_s, 1e-6)},
+        {"speckle_contrast", number(0, 1, &Numbers::speckle_contrast)}}},
+      {"detector",
+       {{"aperture_radius_mm", number(0.1, 50, &Numbers::aperture_radius_mm)},
+        {"lens_transmission", number(0, 1, &Numbers::lens_transmission)},
+        {"responsivity_A_W", number(0, 1, &Numbers::responsivity_A_W)},
+        {"electrode_resistance_ohm", number(1, 1e9, &Numbers::electrode_resistance_ohm)},
+        {"temperature_K", number(0, 400, &Numbers::temperature_K)}}},
       {"electronics",
-       {{"noise_bandwidth_Hz",
-         Number{0, 1e7, [](WorldSetup& s, double v) { s.numbers.noise_bandwidth_Hz = v; }}},
-        {"converter_bits",
-         Number{8, 16, [](WorldSetup& s, double v) { s.numbers.converter_bits = static_cast<int>(v); }}},
-        {"mirror_repeatability_urad",
-         Number{0, 1000, [](WorldSetup& s, double v) { s.numbers.mirror_repeatability_rad = v * 1e-6; }}}}},
+       {{"amplifier_noise_nV", number(0, 1000, &Numbers::amplifier_voltage_noise_V, 1e-9)},
+        {"gain_V_A", number(1, 1e9, &Numbers::gain_V_A)},
+        {"full_scale_V", number(0.1, 20, &Numbers::full_scale_V)},
+        {"noise_bandwidth_Hz", number(0, 1e7, &Numbers::noise_bandwidth_Hz)},
+        {"converter_bits", whole_number(8, 16, &Numbers::converter_bits)},
+        {"converter_noise_lsb", number(0, 1000, &Numbers::converter_noise_lsb)},
+        {"converter_inl_lsb", number(0, 1000, &Numbers::converter_inl_lsb)}}},
+      {"mirrors",
+       {{"natural_rad_s", number(100, 1e6, &MirrorDynamics::natural_rad_s)},
+        {"damping", number(0.05, 0.99, &MirrorDynamics::damping)},
+        {"slew_rad_s", number(0.1, 1e5, &MirrorDynamics::slew_rad_s)},
+        {"repeatability_urad", number(0, 1000, &Numbers::mirror_repeatability_rad, 1e-6)},
+        {"urad_per_code", number(0.1, 100, &Numbers::rad_per_mirror_code, 1e-6)}}},
+      {"stage",
+       {{"table_steps_per_turn", whole_number(100, 10e6, &Numbers::table_steps_per_turn)},
+        {"slide_um_per_step", number(0.01, 1000, &Numbers::slide_mm_per_step, 1e-3)},
+        {"table_backlash_steps", whole_number(0, 10e3, &Numbers::table_backlash_steps)},
+        {"slide_backlash_steps", whole_number(0, 10e3, &Numbers::slide_backlash_steps)},
+        {"table_home_steps", whole_number(-10e6, 10e6, &Numbers::table_home_steps)},
+        {"slide_home_steps", whole_number(-10e6, 10e6, &Numbers::slide_home_steps)},
+        {"slide_limit_low_steps", whole_number(-10e6, 10e6, &Numbers::slide_limit_low_steps)},
+        {"slide_limit_high_steps", whole_number(-10e6, 10e6, &Numbers::slide_limit_high_steps)},
+        {"table_start_steps", whole_number(-10e6, 10e6, &Numbers::table_start_steps)},
+        {"slide_start_steps", whole_number(-10e6, 10e6, &Numbers::slide_start_steps)}}},
   };
   return kSections;
 }
@@ -129,6 +174,8 @@ Status apply(const std::string& place, const Key& key, const json& value, WorldS
       std::snprintf(text, sizeof text, " must be a number from %g to %g", number->lowest, number->highest);
       return bad_input(place + text);
     }
+    if (number->whole && value.get<double>() != std::floor(value.get<double>()))
+      return bad_input(place + " must be a whole number");
     number->set(setup, value.get<double>());
     return Done{};
   }

@@ -42,6 +42,7 @@ struct TrueGeometry {
   std::array<TrueCamera, 2> cameras;
   Line rotary_axis;  // at slide zero
   Vec3 slide_direction = Vec3::UnitZ();
+  Vec3 table_top_normal = Vec3::UnitZ();  // of the table's top, turning with it
 };
 
 // The machine as drawn.

@@ -24,13 +24,13 @@ constexpr int64_t kMirrorOff_ns = 5'000'000;
 
 World::World(const WorldSetup& setup, const Solid& standing_part, uint64_t seed)
     : setup_(setup),
-      part_(standing_part, setup.numbers.part_albedo, setup.numbers.table_albedo,
-            setup.numbers.table_radius_mm),
-      electronics_(setup.numbers),
+      part_(standing_part, setup.numbers.part_albedo,
+            {setup.geometry.table_top_normal, setup.numbers.table_radius_mm, setup.numbers.table_albedo}),
+      electronics_{DetectorElectronics(setup.numbers, 0), DetectorElectronics(setup.numbers, 1)},
       seed_(seed),
       mirrors_{Mirror(setup.numbers.mirror), Mirror(setup.numbers.mirror)},
-      table_steps_(setup.numbers.table_start_steps),
-      slide_steps_(setup.numbers.slide_start_steps) {
+      table_(setup.numbers.table_start_steps, setup.numbers.table_backlash_steps),
+      slide_(setup.numbers.slide_start_steps, setup.numbers.slide_backlash_steps) {
   for (size_t m = 0; m < mirrors_.size(); ++m) {
     for (const TimeSpan& span : setup.faults.mirror_stuck[m]) {
       sticking_.push_back({span.from_ns, m, true});
@@ -44,7 +44,7 @@ World::World(const WorldSetup& setup, const Solid& standing_part, uint64_t seed)
 
 void World::new_place() {
   uint64_t key = mix_bits(seed_);
-  for (const int32_t part : {int32_t{a_code_}, int32_t{b_code_}, table_steps_, slide_steps_}) {
+  for (const int32_t part : {int32_t{a_code_}, int32_t{b_code_}, table_.load_steps(), slide_.load_steps()}) {
     key = combine_key(key, static_cast<uint64_t>(static_cast<int64_t>(part)));
   }
   place_key_ = key;
@@ -82,7 +82,7 @@ void World::let_mirrors_stick(int64_t now_ns) {
 }
 
 void World::step(Stage stage, bool up) {
-  (stage == Stage::table ? table_steps_ : slide_steps_) += up ? 1 : -1;
+  (stage == Stage::table ? table_ : slide_).step(up);
   new_place();
 }
 
@@ -102,10 +102,11 @@ Switches World::switches(int64_t now_ns) {
   let_mirrors_stick(now_ns);
   const Numbers& n = setup_.numbers;
   const MachineFaults& f = setup_.faults;
-  return {.table_home = table_steps_ <= n.table_home_steps,
-          .slide_home = slide_steps_ <= n.slide_home_steps,
-          .slide_limit_low = slide_steps_ <= n.slide_limit_low_steps || any_holds(f.limit_low, now_ns),
-          .slide_limit_high = slide_steps_ >= n.slide_limit_high_steps || any_holds(f.limit_high, now_ns),
+  const int32_t table = table_.load_steps(), slide = slide_.load_steps();
+  return {.table_home = table <= n.table_home_steps,
+          .slide_home = slide <= n.slide_home_steps,
+          .slide_limit_low = slide <= n.slide_limit_low_steps || any_holds(f.limit_low, now_ns),
+          .slide_limit_high = slide >= n.slide_limit_high_steps || any_holds(f.limit_high, now_ns),
           .interlock_closed = !any_holds(f.interlock_open, now_ns),
           .mirrors_good = !mirrors_off_since_ns_ || now_ns - *mirrors_off_since_ns_ < kMirrorOff_ns,
           .laser_good = !any_holds(f.laser_failing, now_ns)};
@@ -128,15 +129,25 @@ const SpotImages& World::spot(int64_t now_ns) {
   if (seen_.valid && a == seen_.a_rad && b == seen_.b_rad) return seen_.images;
   const Numbers& n = setup_.numbers;
   const Line beam = beam_of_mirrors(setup_.geometry, a + a_error_rad_, b + b_error_rad_);
-  const double table_rad = 2 * std::numbers::pi * table_steps_ / n.table_steps_per_turn;
+  const double table_rad = 2 * std::numbers::pi * table_.load_steps() / n.table_steps_per_turn;
   const RigidTransform T_machine_part =
-      table_pose(setup_.geometry, table_rad, slide_steps_ * n.slide_mm_per_step);
+      table_pose(setup_.geometry, table_rad, slide_.load_steps() * n.slide_mm_per_step);
   seen_ = {true, a, b, image_spot(n, setup_.geometry, part_, T_machine_part, beam)};
   for (size_t c = 0; c < 2; ++c) {
     seen_.images[c] = add_speckle(n, setup_.geometry.cameras[c], seen_.images[c],
                                   combine_key(place_key_, kSpeckleDraw + c));
   }
   return seen_.images;
+}
+
+double World::ambient(int64_t now_ns) const {
+  const Numbers& n = setup_.numbers;
+  const double t = static_cast<double>(now_ns) * 1e-9;
+  double current_A = n.ambient_A + n.ambient_drift_A_s * t;
+  if (n.ambient_flicker > 0) current_A *= 1 + n.ambient_flicker * std::sin(2 * std::numbers::pi * 100 * t);
+  for (const Flash& flash : setup_.faults.flashes)
+    current_A += flash.when.holds(now_ns) ? flash.current_A : 0;
+  return current_A;
 }
 
 World::Sample World::sample(int64_t now_ns) {
@@ -146,11 +157,10 @@ World::Sample World::sample(int64_t now_ns) {
   const bool dark = any_holds(f.laser_failing, now_ns) || any_holds(f.laser_dark, now_ns);
   const double on = dark ? 0 : lit(now_ns);
   const SpotImages& images = on > kDark ? spot(now_ns) : kNoLight;
-  double flash_A = 0;
-  for (const Flash& flash : f.flashes) flash_A += flash.when.holds(now_ns) ? flash.current_A : 0;
+  const double ambient_A = ambient(now_ns);
   const uint64_t key = combine_key(place_key_, kSampleDraw + sample_++);
-  Sample codes{electronics_.sample(images[0], on, flash_A, combine_key(key, 0)),
-               electronics_.sample(images[1], on, flash_A, combine_key(key, 1))};
+  Sample codes{electronics_[0].sample(images[0], on, ambient_A, combine_key(key, 0)),
+               electronics_[1].sample(images[1], on, ambient_A, combine_key(key, 1))};
   for (const RailedChannel& railed : f.railed) {
     if (!railed.when.holds(now_ns)) continue;
     DetectorCodes& c = codes[railed.camera];

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "sim/detector.hpp"
+#include "sim/driven_axis.hpp"
 #include "sim/faults.hpp"
 #include "sim/mirror.hpp"
 #include "sim/numbers.hpp"
@@ -55,13 +56,14 @@ class World {
 
  private:
   double lit(int64_t now_ns) const;
+  double ambient(int64_t now_ns) const;  // of one detector, A
   void let_mirrors_stick(int64_t now_ns);
   void new_place();
   const SpotImages& spot(int64_t now_ns);
 
   WorldSetup setup_;
   PartOnTable part_;
-  DetectorElectronics electronics_;
+  std::array<DetectorElectronics, 2> electronics_;
   uint64_t seed_;
 
   std::array<Mirror, 2> mirrors_;  // a, b
@@ -77,7 +79,7 @@ class World {
   bool laser_on_ = false;
   double lit_at_switch_ = 0;
   int64_t switched_ns_ = 0;
-  int32_t table_steps_, slide_steps_;
+  DrivenAxis table_, slide_;
 
   uint64_t place_key_ = 0;
   uint64_t sample_ = 0;                       // since set_mirrors

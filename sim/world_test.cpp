@@ -112,16 +112,30 @@ TEST(World, LightFallsOffObliquelyAndWithTheLaserOff) {
   EXPECT_NEAR(sum_of(world.sample(22 * kMs)[0]), 0, 10);
 }
 
-TEST(World, SwitchesCloseWhereTheyStand) {
+TEST(World, SwitchesCloseWhereTheLoadStands) {
   World world({}, standing_box(10, 10, 10), 1);
-  EXPECT_FALSE(world.switches(0).slide_home);
   const Numbers n;
-  for (int k = n.slide_start_steps; k > n.slide_home_steps; --k) {
+  // Down: the motor first takes the play up.
+  for (int k = n.slide_start_steps + n.slide_backlash_steps; k > n.slide_home_steps; --k) {
     EXPECT_FALSE(world.switches(0).slide_home);
     world.step(Stage::slide, false);
   }
   EXPECT_TRUE(world.switches(0).slide_home);
   EXPECT_FALSE(world.switches(0).slide_limit_low);
+}
+
+TEST(DrivenAxis, TakesUpItsPlayWhenItTurnsBack) {
+  DrivenAxis axis(100, 3);
+  for (int k = 0; k < 5; ++k) axis.step(true);
+  EXPECT_EQ(axis.load_steps(), 105);
+  for (int k = 0; k < 3; ++k) axis.step(false);
+  EXPECT_EQ(axis.load_steps(), 105);
+  axis.step(false);
+  EXPECT_EQ(axis.load_steps(), 104);
+  for (int k = 0; k < 3; ++k) axis.step(true);
+  EXPECT_EQ(axis.load_steps(), 104);
+  axis.step(true);
+  EXPECT_EQ(axis.load_steps(), 105);
 }
 
 TEST(TrueGeometry, SpotOnTheAxisOfACameraIsInTheMiddleOfItsDetector) {
@@ -173,6 +187,8 @@ TEST(ReadWorld, ErrorsNameThePlace) {
       {R"({"camera_1": {"shift_mm": [0, 0]}})", "three numbers"},
       {R"({"light": {"part_albedo": 2}})", "from 0 to 1"},
       {R"({"light": 3})", "object"},
+      {R"({"stage": {"table_backlash_steps": 1.5}})", "whole number"},
+      {R"({"electronics": {"converter_bits": 12.5}})", "whole number"},
   };
   for (const auto& [text, word] : kCases) {
     const TemporaryFile file(".json", text);
