@@ -26,7 +26,7 @@ while IFS= read -r file; do
   object="$(echo "${file#"$source_dir"/}" | tr / _).o"
   compiler $cross-g++ "${cxx[@]}" -c "$file" -o "$object"
   objects+=("$object")
-done < <(find "$source_dir/protocol" "$source_dir/firmware" -name '*.cpp' ! -name '*_test.cpp' | LC_ALL=C sort)
+done < <(find "$source_dir/protocol" "$source_dir/firmware" -name '*.cpp' ! -name '*_test.cpp' ! -path '*/same_bits/*' | LC_ALL=C sort)
 for file in "$nanopb"/pb_common.c "$nanopb"/pb_encode.c "$nanopb"/pb_decode.c "$generated"/protocol/machine.pb.c; do
   object="$(basename "$file").o"
   compiler $cross-gcc "${common[@]}" -c "$file" -o "$object"
