@@ -26,6 +26,8 @@ class TestHost {
 
   // What has come from the machine.
   std::map<uint32_t, tg_MachineMessage> replies;
+  std::map<uint32_t, uint32_t> times_replied;  // by request id
+  uint64_t last_sent_ns = 0;                   // the last frame that left whole
   std::vector<BeamRecord> beams;
   struct Raw {
     size_t beams_before;
@@ -157,6 +159,7 @@ class TestHost {
     uint8_t wire[kFrameWireBytes];
     const size_t bytes = encode_message(header, message, wire);
     if (chance(lose_frame)) return;
+    last_sent_ns = board.now;
     const int times = chance(repeat_frame) ? 2 : 1;
     for (int k = 0; k < times; ++k) {
       for (size_t i = 0; i < bytes; ++i) board.to_machine.push_back(spoiled(wire[i]));
@@ -183,6 +186,7 @@ class TestHost {
   void hear(FrameHeader header, const tg_MachineMessage& message) {
     if (header.channel == Channel::kReply) {
       replies[header.id] = message;
+      ++times_replied[header.id];
     } else if (message.which_body == tg_MachineMessage_fault_tag) {
       faults.push_back(message.body.fault);
     } else if (message.which_body == tg_MachineMessage_heartbeat_tag) {
