@@ -71,16 +71,37 @@ void* operator new(size_t, tetragauge::InPlace place) noexcept {
   return place.at;
 }
 
+namespace {
+tetragauge::Controller<tetragauge::StubBoard>* controller;
+}
+
+// The interrupts, by priority from low to high: functions of their own, so that each one's stack can be told.
+extern "C" {
+void Alarm_Handler() {
+  controller->on_alarm();
+}
+void Samples_Handler() {
+  controller->on_samples();
+}
+void Interlock_Handler() {
+  controller->on_interlock();
+}
+void Step_Handler() {
+  controller->on_step_timer(tetragauge::Axis::kTable);
+}
+// In flash at the places the processor looks for them; here only kept by the linker.
+using Handler = void (*)();
+extern const Handler handlers[];
+[[gnu::used]] const Handler handlers[] = {Alarm_Handler, Samples_Handler, Interlock_Handler, Step_Handler};
+}
+
 extern "C" [[noreturn]] void Reset_Handler() {
   using namespace tetragauge;
-  auto* controller = new (InPlace{memory}) Controller<StubBoard>(board);
+  controller = new (InPlace{memory}) Controller<StubBoard>(board);
   controller->begin();
   for (;;) {
     controller->poll();
-    if (cells[0] == 1) controller->on_alarm();
-    if (cells[0] == 2) controller->on_samples();
-    if (cells[0] == 3) controller->on_step_timer(Axis::kTable);
-    if (cells[0] == 4) controller->on_interlock();
+    if (handlers[cells[0] % 4] == nullptr) continue;
     cells[1] = static_cast<uint32_t>(controller->next_poll_ns() / 1000) + controller->resting() +
                controller->host_owes_answer();
   }
