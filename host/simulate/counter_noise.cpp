@@ -22,12 +22,20 @@ double unit(uint64_t bits) {
   return (static_cast<double>(bits >> 11) + 0.5) * 0x1p-53;
 }
 
-}  // namespace
-
-double counter_normal(uint64_t seed, uint64_t view, uint64_t ray) {
+uint64_t state_of(uint64_t seed, uint64_t view, uint64_t ray) {
   uint64_t state = mix(seed + kGoldenGamma);
   state = mix(state ^ mix(view + 2 * kGoldenGamma));
-  state = mix(state ^ mix(ray + 3 * kGoldenGamma));
+  return mix(state ^ mix(ray + 3 * kGoldenGamma));
+}
+
+}  // namespace
+
+double counter_uniform(uint64_t seed, uint64_t view, uint64_t ray, uint64_t draw) {
+  return unit(mix(state_of(seed, view, ray) + draw * kGoldenGamma));
+}
+
+double counter_normal(uint64_t seed, uint64_t view, uint64_t ray) {
+  const uint64_t state = state_of(seed, view, ray);
   // Box and Muller, Ann. Math. Stat. 29 (1958) 610.
   const double radius = std::sqrt(-2 * std::log(unit(state)));
   return radius * std::cos(2 * std::numbers::pi * unit(mix(state + kGoldenGamma)));

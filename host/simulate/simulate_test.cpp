@@ -196,6 +196,57 @@ TEST(Simulate, ViewsAreUnitAndSpread) {
   }
 }
 
+TEST(Simulate, AWindowFromAListOfPointsHasItsRays) {
+  // A sphere of radius 15 seen from 100 mm under a window of 10 x 8 degrees, all of which it fills.
+  const Solid solid = solid_from_csg("sphere($fn = 0, r = 15);");
+  const RayCaster caster(solid);
+  SimulateOptions options;
+  options.view_points_mm = {Vec3(100, 0, 0), Vec3(0, 0, 100)};
+  options.window = BeamWindow{{10 * std::numbers::pi / 180, 8 * std::numbers::pi / 180}, {41, 21}};
+  options.max_incidence_rad = std::numbers::pi / 2;
+  const Scan scan = simulate_or_fail(solid, caster, options);
+  ASSERT_EQ(scan.size(), 2u * 41 * 21);
+  double widest = 0;
+  int straight = 0;
+  for (size_t i = 0; i < scan.size(); ++i) {
+    ASSERT_EQ(scan.ray_origins[i], options.view_points_mm[scan.view[i]]);
+    const double cosine = -scan.ray_direction(i).dot(scan.ray_origins[i].normalized());
+    straight += cosine > 1 - 1e-6;
+    widest = std::max(widest, std::acos(cosine));
+  }
+  EXPECT_EQ(straight, 2);  // odd counts have a middle ray
+  const double a = std::tan(5 * std::numbers::pi / 180), b = std::tan(4 * std::numbers::pi / 180);
+  // The middle of a round part's box is that of its triangles, 0.02 mm off at most.
+  EXPECT_NEAR(widest, std::atan(std::hypot(a, b)), 0.02 / 100 * 2);
+}
+
+TEST(Simulate, AnEvenPerturbationGoesEitherWayBetweenItsEnds) {
+  const Solid solid = solid_from_csg("sphere($fn = 0, r = 20);");
+  const RayCaster caster(solid);
+  SimulateOptions options;
+  options.points = 20000;
+  options.perturbation = UniformPerturbation{0.01, 0.1};
+  const Scan scan = simulate_or_fail(solid, caster, options);
+  double sum = 0, squares = 0, least = 1, most = 0;
+  for (size_t i = 0; i < scan.size(); ++i) {
+    const Vec3 direction = scan.ray_direction(i), o = scan.ray_origins[i];
+    const double b = o.dot(direction);
+    const double error = (scan.points[i] - o).norm() - (-b - std::sqrt(b * b - o.squaredNorm() + 400));
+    sum += error;
+    squares += error * error;
+    least = std::min(least, std::abs(error));
+    most = std::max(most, std::abs(error));
+  }
+  const double n = static_cast<double>(scan.size()), square = (1e-4 + 1e-3 + 1e-2) / 3;
+  EXPECT_GE(least, 0.01 - 1e-9);
+  EXPECT_LE(most, 0.1 + 1e-9);
+  EXPECT_LT(least, 0.0102);
+  EXPECT_GT(most, 0.0998);
+  EXPECT_NEAR(sum / n, 0, 5 * std::sqrt(square / n));
+  EXPECT_NEAR(squares / n, square, 5 * square / std::sqrt(n));
+  EXPECT_NEAR(static_cast<double>(scan.sigma_mm[0]), std::sqrt(square), 1e-7);
+}
+
 TEST(Simulate, OptionsWithoutSenseAreUsageErrors) {
   const Solid solid = solid_from_csg("cube(size = [10, 10, 10], center = true);");
   const RayCaster caster(solid);
@@ -211,6 +262,16 @@ TEST(Simulate, OptionsWithoutSenseAreUsageErrors) {
   EXPECT_EQ(kind([](SimulateOptions& o) { o.pitch_mm = 1e-5; }), ErrorKind::usage);
   EXPECT_EQ(kind([](SimulateOptions& o) { o.standoff_mm = 5; }), ErrorKind::usage);
   EXPECT_EQ(kind([](SimulateOptions& o) { o.pitch_mm = 1000; }), ErrorKind::usage);
+  EXPECT_EQ(kind([](SimulateOptions& o) { o.view_points_mm = {Vec3(1, 2, 3)}; }), ErrorKind::usage);
+  EXPECT_EQ(kind([](SimulateOptions& o) { o.window = BeamWindow{{4, 1}, {10, 10}}; }), ErrorKind::usage);
+  EXPECT_EQ(kind([](SimulateOptions& o) {
+              o.window = BeamWindow{{1, 1}, {100000, 100000}};
+            }),
+            ErrorKind::usage);
+  EXPECT_EQ(kind([](SimulateOptions& o) {
+              o.perturbation = UniformPerturbation{0.1, 0.1};
+            }),
+            ErrorKind::usage);
 }
 
 TEST(Simulate, MoreRaysThanAScanHasIsAUsageErrorThatSaysHowMany) {

@@ -10,8 +10,8 @@
 namespace tetragauge {
 namespace {
 
-bool is_solved(SurfaceType type) {
-  return has_crossings(type) && type != SurfaceType::plane;
+bool is_solved(const Face& face) {
+  return has_crossings(face) && face.type != SurfaceType::plane;
 }
 
 using Corners = std::array<Vec3, 3>;
@@ -59,7 +59,7 @@ void box_hit(const RTCIntersectFunctionNArguments* arguments) {
 CurvedFaces::CurvedFaces(RTCDevice device, const Solid& solid, const Vec3& centre)
     : solid_(solid), centre_(centre) {
   for (uint32_t i = 0; i < solid.triangles.size(); ++i) {
-    if (is_solved(solid.faces()[solid.triangle_face[i]].type)) triangles_.push_back(i);
+    if (is_solved(solid.faces()[solid.triangle_face[i]])) triangles_.push_back(i);
   }
   if (triangles_.empty()) return;
   std::stable_sort(triangles_.begin(), triangles_.end(),
@@ -109,8 +109,8 @@ std::vector<Crossing> CurvedFaces::crossings(const Vec3& origin, const Vec3& dir
   // The line is solved from near the part, so that a far origin costs no digits.
   const double near_t = (centre_ - origin).dot(direction);
   const Vec3 near = origin + near_t * direction;
-  std::array<Vec3, 2> points, normals;
-  std::array<bool, 2> is_taken{};
+  std::array<Vec3, 4> points, normals;
+  std::array<bool, 4> is_taken{};
   for (const uint32_t candidate : found) {
     const uint32_t triangle = triangles_[candidate];
     const uint32_t own = solid_.triangle_face[triangle];

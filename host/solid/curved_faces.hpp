@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A line against the true cylinders, cones and spheres of a solid. Triangles miss what lies within a chord's
-// height of a silhouette; here they only say which part of the surface belongs to the face: a point of the
-// surface is the face's if the surface's normal there meets one of its triangles. Neighbouring triangles
-// share their edges, so that exactly one of them (or both, on the edge) takes a point: no leak within a face.
+// A line against the true cylinders, cones, spheres and tori of a solid. Triangles miss what lies within a
+// chord's height of a silhouette; here they only say which part of the surface belongs to the face: a point
+// of the surface is the face's if the surface's normal there meets one of its triangles. Neighbouring
+// triangles share their edges, so that exactly one of them (or both, on the edge) takes a point: no leak
+// within a face.
 #pragma once
 
 #include <embree3/rtcore.h>

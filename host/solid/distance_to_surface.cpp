@@ -31,7 +31,11 @@ double distance_to_surface(const Face& face, const Vec3& p) {
       return side * distance_to_cone(face, p);
     case SurfaceType::sphere:
       return side * (r.norm() - face.radius_mm);
-    case SurfaceType::torus:
+    case SurfaceType::torus: {
+      const double along = face.axis.dot(r);
+      const double across = (r - face.axis * along).norm();
+      return side * (std::hypot(across - face.radius_mm, along) - face.minor_radius_mm);
+    }
     case SurfaceType::other:
       break;
   }

@@ -39,6 +39,8 @@ struct RayCaster::Scene {
   Vec3 centre, half;  // the box, widened
   double diagonal_mm;
   CurvedFaces curved;
+  std::vector<char> is_solved;  // by face: curved, and its crossings known from its equation
+  std::vector<char> is_at_rim;  // by triangle: a corner of it belongs to another face too
 
   explicit Scene(const Solid& model)
       : solid(model),
@@ -48,6 +50,7 @@ struct RayCaster::Scene {
         diagonal_mm(std::max(2 * half.norm(), 1e-6)),
         curved(device.handle, solid, centre) {
     half += Vec3::Constant(1e-3 * diagonal_mm);
+    find_rims();
     rtcSetSceneFlags(triangles, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST |
                                                            RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
     // Spatial splits of the high quality would report a triangle twice.
@@ -66,6 +69,23 @@ struct RayCaster::Scene {
     commit_scene(triangles, geometry);
   }
   ~Scene() { rtcReleaseScene(triangles); }
+
+  void find_rims() {
+    for (const Face& face : solid.faces()) {
+      is_solved.push_back(has_crossings(face) && face.type != SurfaceType::plane);
+    }
+    constexpr uint32_t kNone = 0xFFFFFFFFu;
+    std::vector<uint32_t> face_of_vertex(solid.vertices.size(), kNone);
+    std::vector<char> is_shared(solid.vertices.size());
+    for (size_t i = 0; i < solid.triangles.size(); ++i) {
+      for (const uint32_t v : solid.triangles[i]) {
+        is_shared[v] |= face_of_vertex[v] != kNone && face_of_vertex[v] != solid.triangle_face[i];
+        face_of_vertex[v] = solid.triangle_face[i];
+      }
+    }
+    for (const auto& t : solid.triangles)
+      is_at_rim.push_back(is_shared[t[0]] || is_shared[t[1]] || is_shared[t[2]]);
+  }
 
   // Where the ray passes the box; nullopt if it does not.
   std::optional<std::pair<double, double>> clip(const Vec3& origin, const Vec3& direction) const {
@@ -106,13 +126,21 @@ struct RayCaster::Scene {
     return Crossing{t, triangle, closing < 0};
   }
 
-  // A hit on a triangle of a curved face stands for the crossing of the true surface that goes the same way;
-  // it is dropped if that one is known. It is kept at the rim of a face, within a chord's height of its edge,
-  // where the true crossing belongs to nobody.
+  // A hit on a triangle of a curved face stands for the crossing of the true surface that goes the same way,
+  // with none the other way between the two; it is dropped if that one is known. It is kept at the rim of a
+  // face, within a chord's height of its edge, where the true crossing belongs to nobody.
   bool is_represented(const Crossing& hit, const std::vector<Crossing>& known) const {
     const uint32_t face = solid.triangle_face[hit.triangle];
-    return std::any_of(known.begin(), known.end(), [&](const Crossing& crossing) {
-      return solid.triangle_face[crossing.triangle] == face && crossing.is_entering == hit.is_entering;
+    // Away from any rim every true crossing is known; a triangle that stands out of a saddle is met by rays
+    // that pass it.
+    if (is_solved[face] && !is_at_rim[hit.triangle]) return true;
+    const auto is_own = [&](const Crossing& c) { return solid.triangle_face[c.triangle] == face; };
+    return std::any_of(known.begin(), known.end(), [&](const Crossing& same) {
+      if (!is_own(same) || same.is_entering != hit.is_entering) return false;
+      const auto [low, high] = std::minmax(same.t, hit.t);
+      return std::none_of(known.begin(), known.end(), [&, low = low, high = high](const Crossing& other) {
+        return is_own(other) && other.is_entering != hit.is_entering && other.t > low && other.t < high;
+      });
     });
   }
 

@@ -15,6 +15,7 @@
 namespace tetragauge {
 namespace {
 
+using test::count;
 using test::solid_from_csg;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -162,6 +163,70 @@ TEST(RayCaster, ConeAgreesWithItsEquation) {
     }
   }
   EXPECT_GT(hits, 2000);
+}
+
+// Where a line lies in a torus about z (long double): sampled finely, each change bisected.
+std::vector<Span> in_torus(const Vec3& o, const Vec3& d, long double R, long double a) {
+  using L = long double;
+  const auto outside = [&](L t) {
+    const L x = o.x() + t * d.x(), y = o.y() + t * d.y(), z = o.z() + t * d.z();
+    const L across = std::sqrt(x * x + y * y) - R;
+    return across * across + z * z > a * a;
+  };
+  std::vector<Span> spans;
+  const L middle = -o.dot(d), reach = R + a + 1;
+  const int steps = 4000;
+  L previous = middle - reach;
+  for (int i = 1; i <= steps; ++i) {
+    const L t = middle - reach + 2 * reach * i / steps;
+    if (outside(t) != outside(previous)) {
+      L low = previous, high = t;
+      const bool is_low_outside = outside(low);
+      for (int k = 0; k < 60; ++k) {
+        const L half = (low + high) / 2;
+        (outside(half) == is_low_outside ? low : high) = half;
+      }
+      if (is_low_outside) {
+        spans.emplace_back(static_cast<double>(low), 0);
+      } else {
+        spans.back().second = static_cast<double>(low);
+      }
+    }
+    previous = t;
+  }
+  return spans;
+}
+
+TEST(RayCaster, TorusAgreesWithItsEquation) {
+  const Solid solid = solid_from_csg(
+      "rotate_extrude(angle = 360, $fn = 0) {\n"
+      "  multmatrix([[1, 0, 0, 20], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { circle($fn = 0, r = 6); } "
+      "}");
+  ASSERT_EQ(count(solid, SurfaceType::torus), 1);
+  EXPECT_NEAR(solid.faces()[0].minor_radius_mm, 6, 1e-12);
+  const RayCaster caster(solid);
+  std::mt19937_64 random(19);
+  int hits = 0, twice = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const Ray ray = random_ray(random, Vec3::Zero(), 150, 24);
+    const std::vector<Span> spans = in_torus(ray.origin, ray.direction, 20, 6);
+    const auto hit = caster.first_hit(ray.origin, ray.direction);
+    double length = 0;
+    for (const Span& span : spans) length += span.second - span.first;
+    const double found = caster.length_inside(ray.origin, ray.origin + 300 * ray.direction);
+    // A passage shorter than the oracle's step may fall between two of its samples.
+    if (found > length + 1e-6 && found - length < 0.0136) continue;
+    ASSERT_EQ(hit.has_value(), !spans.empty()) << "ray " << i;
+    ASSERT_NEAR(found, length, 1e-6) << "ray " << i;
+    if (!hit) continue;
+    ++hits;
+    twice += spans.size() > 1;
+    ASSERT_NEAR(hit->distance_mm, spans[0].first, 1e-6) << "ray " << i;
+    ASSERT_NEAR(distance_to_surface(solid.faces()[0], hit->point_mm), 0, 1e-9);
+    ASSERT_LT(hit->normal.dot(ray.direction), 0);
+  }
+  EXPECT_GT(hits, 1000);
+  EXPECT_GT(twice, 100);
 }
 
 TEST(RayCaster, GrazingHitsAreRightToAMicrometre) {

@@ -36,7 +36,7 @@ struct Solid {
   Vec3 box_min_mm = Vec3::Zero(), box_max_mm = Vec3::Zero();
   std::string declared_unit;          // "mm", "inch", ... as the file says; "" if it says nothing
   std::vector<std::string> warnings;  // e.g. a suspicious unit
-  int solids = 1;                     // distinct solids in the file (an assembly's parts once each)
+  int solids = 1;                     // bodies, an assembly's parts once at each of their places
 
   const std::vector<Face>& faces() const { return list.faces; }
 };
@@ -49,7 +49,7 @@ Result<Solid> read_solid(const std::filesystem::path& path, const ReadSolidOptio
 Solid transformed(const Solid& solid, const RigidTransform& T);
 
 // Signed distance of p to the face's analytic surface, positive outside the material. Precondition: the type
-// is plane, cylinder, cone or sphere.
+// is not `other`.
 double distance_to_surface(const Face& face, const Vec3& p);
 
 }  // namespace tetragauge

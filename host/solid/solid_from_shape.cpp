@@ -21,14 +21,14 @@
 namespace tetragauge {
 namespace {
 
-// Each distinct solid once, at its first place.
-std::vector<TopoDS_Solid> distinct_solids(const TopoDS_Shape& shape) {
+// Every solid at every place it stands, each place once.
+std::vector<TopoDS_Solid> placed_solids(const TopoDS_Shape& shape) {
   TopTools_IndexedMapOfShape seen;
   std::vector<TopoDS_Solid> solids;
   for (TopExp_Explorer solid(shape, TopAbs_SOLID); solid.More(); solid.Next()) {
-    const TopoDS_Shape unplaced = solid.Current().Located(TopLoc_Location()).Oriented(TopAbs_FORWARD);
-    if (seen.Contains(unplaced)) continue;
-    seen.Add(unplaced);
+    const TopoDS_Shape placed = solid.Current().Oriented(TopAbs_FORWARD);
+    if (seen.Contains(placed)) continue;
+    seen.Add(placed);
     solids.push_back(TopoDS::Solid(solid.Current()));
   }
   return solids;
@@ -96,7 +96,7 @@ Error open_solid(const std::string& place) {
 Result<Solid> solid_from_shape(const TopoDS_Shape& shape, const std::string& place,
                                const ReadSolidOptions& options) {
   if (shape.IsNull()) return bad_input(place + ": the model is empty; it must hold at least one solid body");
-  std::vector<TopoDS_Solid> shapes = distinct_solids(turn_wires(shape));
+  std::vector<TopoDS_Solid> shapes = placed_solids(turn_wires(shape));
   if (shapes.empty() && TopExp_Explorer(shape, TopAbs_SHELL).More()) return open_solid(place);
   if (shapes.empty()) {
     return bad_input(place + ": no solid body in it, only surfaces or curves; export the part as a solid");

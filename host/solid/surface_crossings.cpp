@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "host/solid/torus_crossings.hpp"
+
 namespace tetragauge {
 namespace {
 
@@ -32,8 +34,9 @@ bool is_on_other_nappe(const Face& face, const Vec3& p) {
 
 }  // namespace
 
-bool has_crossings(SurfaceType type) {
-  return type != SurfaceType::torus && type != SurfaceType::other;
+bool has_crossings(const Face& face) {
+  if (face.type == SurfaceType::torus) return face.minor_radius_mm < face.radius_mm;
+  return face.type != SurfaceType::other;
 }
 
 Vec3 surface_normal(const Face& face, const Vec3& p) {
@@ -50,7 +53,11 @@ Vec3 surface_normal(const Face& face, const Vec3& p) {
       const Vec3 across = (r - face.axis * face.axis.dot(r)).normalized();
       return side * (across * std::cos(face.half_angle_rad) - face.axis * std::sin(face.half_angle_rad));
     }
-    case SurfaceType::torus:
+    case SurfaceType::torus: {
+      if (!has_crossings(face)) break;
+      const Vec3 radial = (r - face.axis * face.axis.dot(r)).normalized();
+      return side * (r - face.radius_mm * radial).normalized();
+    }
     case SurfaceType::other:
       break;
   }
@@ -63,10 +70,15 @@ SurfaceCrossings surface_crossings(const Face& face, const Vec3& p, const Vec3& 
     crossings.s[crossings.count] = s;
     crossings.is_entering[crossings.count++] = is_entering;
   };
-  if (!has_crossings(face.type)) return crossings;
+  if (!has_crossings(face)) return crossings;
   if (face.type == SurfaceType::plane) {
     const double closing = face.normal.dot(direction);
     if (closing != 0) add((face.d_mm - face.normal.dot(p)) / closing, closing < 0);
+    return crossings;
+  }
+  if (face.type == SurfaceType::torus) {
+    const TorusCrossings torus = torus_crossings(face, p, direction);
+    for (size_t i = 0; i < torus.count; ++i) add(torus.s[i], torus.is_inward[i] != face.concave);
     return crossings;
   }
   const auto [a, b, c] = quadratic_of(face, p, direction);

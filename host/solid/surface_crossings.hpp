@@ -8,16 +8,16 @@
 
 namespace tetragauge {
 
-// Whether the surface is one that lines are solved on: plane, cylinder, cone or sphere.
-bool has_crossings(SurfaceType type);
+// Whether the surface is one that lines are solved on: plane, cylinder, cone, sphere, or a torus with a hole.
+bool has_crossings(const Face& face);
 
-// Outward unit normal of the face's surface at `p` (on or near it); nil for a torus or a free-form face.
+// Outward unit normal of the face's surface at `p` (on or near it); nil for a face without crossings.
 Vec3 surface_normal(const Face& face, const Vec3& p);
 
-// The crossings p + s * direction, at most one into the material and one out of it.
+// The crossings p + s * direction, ascending, in and out by turns.
 struct SurfaceCrossings {
-  std::array<double, 2> s{};
-  std::array<bool, 2> is_entering{};
+  std::array<double, 4> s{};
+  std::array<bool, 4> is_entering{};
   size_t count = 0;
 };
 SurfaceCrossings surface_crossings(const Face& face, const Vec3& p, const Vec3& direction);
