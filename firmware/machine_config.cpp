@@ -156,6 +156,12 @@ int64_t rounded(double x) {
   return static_cast<int64_t>(x + (x < 0 ? -0.5 : 0.5));
 }
 
+// An axis jogged far away without being homed, in a configuration with few steps: as far as a message can
+// say.
+int32_t saturated(double x) {
+  return static_cast<int32_t>(rounded(x > INT32_MAX ? INT32_MAX : x < -INT32_MAX ? -INT32_MAX : x));
+}
+
 }  // namespace
 
 MachineConfig nominal_config() {
@@ -403,11 +409,10 @@ int64_t slide_steps(const MachineConfig& config, int32_t slide_um) {
   return rounded(slide_um * (config.stage.slide_steps_per_m / 1e6));
 }
 int32_t table_udeg(const MachineConfig& config, int64_t steps) {
-  return static_cast<int32_t>(
-      rounded(static_cast<double>(steps) * (kUdegPerTurn / config.stage.table_steps_per_turn)));
+  return saturated(static_cast<double>(steps) * (kUdegPerTurn / config.stage.table_steps_per_turn));
 }
 int32_t slide_um(const MachineConfig& config, int64_t steps) {
-  return static_cast<int32_t>(rounded(static_cast<double>(steps) * (1e6 / config.stage.slide_steps_per_m)));
+  return saturated(static_cast<double>(steps) * (1e6 / config.stage.slide_steps_per_m));
 }
 
 }  // namespace tetragauge
