@@ -1,149 +1,161 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "host/faces/face_boundaries.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
 
+#include "host/faces/complete_labels.hpp"
+
 namespace tetragauge {
 namespace {
 
-struct Line {
-  Vec3 point, direction;
-  Vec3 foot(const Vec3& p) const { return point + direction * direction.dot(p - point); }
-};
-
-// Where two planes meet; none for planes within about 3 degrees of one another.
-std::optional<Line> meeting_line(const PlaneFit& f, const PlaneFit& g) {
-  const Vec3 direction = f.normal.cross(g.normal);
-  const double sine2 = direction.squaredNorm();
-  if (sine2 < 0.0025) return std::nullopt;
-  const Vec3 point = (f.d_mm * g.normal.cross(direction) + g.d_mm * direction.cross(f.normal)) / sine2;
-  return Line{point, direction / std::sqrt(sine2)};
-}
-
-// Sums signed areas and first moments of polygons in one plane.
-class AreaSum {
+// Each mesh triangle is cut into the pieces that belong to its vertices' faces: vertices are moved onto their
+// planes, mesh edges between two faces are cut on the line where the planes meet, triangles between three at
+// their corner. The pieces close as the mesh did, and have the faces' true areas and volume.
+class MeshCutter {
  public:
-  explicit AreaSum(const PlaneFit& plane) : plane_(plane) {}
-
-  void add_triangle(const Vec3& a, const Vec3& b, const Vec3& c) {
-    const Vec3 pa = on_plane(a), pb = on_plane(b), pc = on_plane(c);
-    const double area = 0.5 * (pb - pa).cross(pc - pa).dot(plane_.normal);
-    area_ += area;
-    moment_ += area / 3 * (pa + pb + pc);
+  MeshCutter(const Reconstruction& reconstruction, const SurfaceGraph& graph, const FittedFaces& fitted)
+      : reconstruction_(reconstruction),
+        fits_(fitted.fits),
+        label_(complete_labels(reconstruction, graph, fitted)),
+        snapped_(reconstruction.vertices),
+        area_(fitted.fits.size(), 0.0),
+        moment_(fitted.fits.size(), Vec3::Zero()) {
+    for (size_t v = 0; v < snapped_.size(); ++v) {
+      if (!is_face(label_[v])) continue;
+      const PlaneFit& plane = fits_[static_cast<size_t>(label_[v])];
+      snapped_[v] -= plane.normal * (plane.normal.dot(snapped_[v]) - plane.d_mm);
+    }
   }
-  double area() const { return area_; }
-  Vec3 centroid() const {
-    return area_ > 0 ? Vec3(plane_.centroid_mm + moment_ / area_) : plane_.centroid_mm;
-  }
-
- private:
-  Vec3 on_plane(const Vec3& p) const {
-    const Vec3 r = p - plane_.centroid_mm;
-    return r - plane_.normal * plane_.normal.dot(r);
-  }
-
-  const PlaneFit& plane_;
-  double area_ = 0;
-  Vec3 moment_ = Vec3::Zero();
-};
-
-class ExtentFinder {
- public:
-  ExtentFinder(const Reconstruction& reconstruction, const SurfaceGraph& graph, const FittedFaces& fitted)
-      : reconstruction_(reconstruction), graph_(graph), fitted_(fitted), label_(fitted.vertex_face) {}
 
   FaceExtents run() {
-    fill_labels();
     FaceExtents result;
-    result.faces.resize(fitted_.fits.size());
-    std::vector<AreaSum> sums;
-    for (const PlaneFit& fit : fitted_.fits) sums.emplace_back(fit);
-    std::map<std::pair<int32_t, int32_t>, size_t> shared;
-    for (uint32_t t = 0; t < reconstruction_.surface.size(); ++t) {
-      const SurfaceTriangle& triangle = reconstruction_.surface[t];
-      if (triangle.unseen) continue;
-      const int32_t l[3] = {label(triangle, 0), label(triangle, 1), label(triangle, 2)};
-      if (l[0] == l[1] && l[1] == l[2]) {
-        if (l[0] == kNoRegion) continue;
-        const auto f = static_cast<size_t>(l[0]);
-        sums[f].add_triangle(at(triangle, 0), at(triangle, 1), at(triangle, 2));
-        result.faces[f].triangles.push_back(t);
-        continue;
-      }
-      for (size_t i = 0; i < 3; ++i) {
-        const size_t j = (i + 1) % 3, k = (i + 2) % 3;
-        if (l[i] != kNoRegion && l[j] != kNoRegion && l[i] != l[j]) ++shared[std::minmax(l[i], l[j])];
-        if (l[i] != kNoRegion && l[i] == l[j] && l[k] != kNoRegion)
-          extend(sums[static_cast<size_t>(l[i])], l[i], l[k], at(triangle, i), at(triangle, j));
-      }
+    result.faces.resize(fits_.size());
+    for (uint32_t t = 0; t < reconstruction_.surface.size(); ++t) cut(t, result);
+    for (size_t f = 0; f < fits_.size(); ++f) {
+      FaceExtent& extent = result.faces[f];
+      extent.area_mm2 = std::max(0.0, area_[f]);
+      extent.centroid_mm = fits_[f].centroid_mm;
+      if (area_[f] > 0) extent.centroid_mm += moment_[f] / area_[f];
     }
-    for (size_t f = 0; f < sums.size(); ++f) {
-      result.faces[f].area_mm2 = std::max(0.0, sums[f].area());
-      result.faces[f].centroid_mm = sums[f].centroid();
-    }
-    for (const auto& [pair, count] : shared) {
+    for (const auto& [pair, count] : shared_) {
       if (count < 4) continue;  // an edge of the part has more than one triangle's span; a corner has not
       const auto f = static_cast<size_t>(pair.first), g = static_cast<size_t>(pair.second);
-      if (!meeting_line(fitted_.fits[f], fitted_.fits[g])) continue;
+      if (!meeting_line(fits_[f], fits_[g])) continue;
       result.faces[f].neighbours.insert(g);
       result.faces[g].neighbours.insert(f);
       ++result.strips;
     }
+    result.volume_mm3 = volume_;
     return result;
   }
 
  private:
-  int32_t label(const SurfaceTriangle& t, size_t i) const { return label_[t.vertex[i]]; }
-  const Vec3& at(const SurfaceTriangle& t, size_t i) const { return reconstruction_.vertices[t.vertex[i]]; }
+  bool is_face(int32_t label) const { return label >= 0 && label < static_cast<int32_t>(fits_.size()); }
 
-  // A vertex on no face (mixed, outlier) counts, for extent only, to the face most of its neighbours are on.
-  void fill_labels() {
-    for (int round = 0; round < 2; ++round) {
-      std::vector<int32_t> filled = label_;
-      for (uint32_t v = 0; v < graph_.size(); ++v) {
-        if (label_[v] != kNoRegion) continue;
-        std::map<int32_t, int> votes;
-        for (uint32_t n : graph_.around(v)) {
-          if (label_[n] != kNoRegion) ++votes[label_[n]];
-        }
-        int best = 1;  // one neighbour alone does not draw a vertex in
-        for (const auto& [f, count] : votes) {
-          if (count > best) {
-            best = count;
-            filled[v] = f;
-          }
-        }
-      }
-      label_ = std::move(filled);
+  void cut(uint32_t t, FaceExtents& result) {
+    const auto& v = reconstruction_.surface[t].vertex;
+    const int32_t l[3] = {label_[v[0]], label_[v[1]], label_[v[2]]};
+    const bool unseen = reconstruction_.surface[t].unseen;
+    double longest = 0;
+    for (size_t i = 0; i < 3; ++i)
+      longest = std::max(longest, (snapped_[v[(i + 1) % 3]] - snapped_[v[i]]).norm());
+    // Small facets in the depth of an edge are often in shadow; wide ones close what nobody has seen.
+    const bool counts = !unseen || longest < 4 * reconstruction_.vertex_spacing_mm;
+    if (l[0] == l[1] && l[1] == l[2]) {
+      if (is_face(l[0]) && !unseen) result.faces[static_cast<size_t>(l[0])].triangles.push_back(t);
+      add_piece(l[0], !unseen, {snapped_[v[0]], snapped_[v[1]], snapped_[v[2]]});
+      return;
+    }
+    Vec3 between[3];  // on the edge from vertex i to the next
+    for (size_t i = 0; i < 3; ++i) {
+      const size_t j = (i + 1) % 3;
+      between[i] = edge_point(v[i], v[j]);
+      if (!unseen && is_face(l[i]) && is_face(l[j]) && l[i] != l[j]) ++shared_[std::minmax(l[i], l[j])];
+    }
+    for (size_t i = 0; i < 3; ++i) {
+      const size_t j = (i + 1) % 3, k = (i + 2) % 3;
+      if (l[i] != l[j] || l[k] == l[i]) continue;
+      add_piece(l[i], counts, {snapped_[v[i]], snapped_[v[j]], between[j], between[k]});
+      add_piece(l[k], counts, {snapped_[v[k]], between[k], between[j]});
+      return;
+    }
+    const Vec3 middle = (between[0] + between[1] + between[2]) / 3;
+    const Vec3 corner = corner_near(middle, l, longest).value_or(middle);
+    for (size_t i = 0; i < 3; ++i)
+      add_piece(l[i], counts, {snapped_[v[i]], between[i], corner, between[(i + 2) % 3]});
+  }
+
+  // Where the mesh edge from a to b passes from one face to the next: on the line where their planes meet, if
+  // that is anywhere near, else half way.
+  Vec3 edge_point(uint32_t a, uint32_t b) const {
+    const Vec3 middle = 0.5 * (snapped_[a] + snapped_[b]);
+    const int32_t f = label_[a], g = label_[b];
+    if (f == g || !is_face(f) || !is_face(g)) return middle;
+    // In the same order from both triangles at the edge, so that both get the same point.
+    const auto line =
+        meeting_line(fits_[static_cast<size_t>(std::min(f, g))], fits_[static_cast<size_t>(std::max(f, g))]);
+    if (!line) return middle;
+    const Vec3 foot = line->foot(middle);
+    return (foot - middle).norm() < reach((snapped_[a] - snapped_[b]).norm()) ? foot : middle;
+  }
+
+  std::optional<Vec3> corner_near(const Vec3& middle, const int32_t l[3], double longest_mm) const {
+    Mat3 normals;
+    Vec3 offsets;
+    for (int k = 0; k < 3; ++k) {
+      if (!is_face(l[k])) return std::nullopt;
+      const PlaneFit& plane = fits_[static_cast<size_t>(l[k])];
+      normals.row(k) = plane.normal.transpose();
+      offsets[k] = plane.d_mm - plane.normal.dot(middle);
+    }
+    constexpr double kFlat = 0.01;  // spat of the normals: below, two of the planes are as good as parallel
+    if (std::abs(normals.determinant()) < kFlat) return std::nullopt;
+    const Vec3 step = normals.partialPivLu().solve(offsets);
+    if (!(step.norm() < reach(longest_mm))) return std::nullopt;
+    return Vec3(middle + step);
+  }
+
+  // How far an edge or corner may lie from the mesh that cuts it off: some spacings, or a shadow's width.
+  double reach(double mesh_edge_mm) const {
+    return 3 * reconstruction_.vertex_spacing_mm + 1.5 * mesh_edge_mm;
+  }
+
+  void add_piece(int32_t label, bool counts, std::initializer_list<Vec3> corners) {
+    const Vec3* const p = corners.begin();
+    const Vec3& origin = reconstruction_.centroid_mm;
+    for (size_t k = 1; k + 1 < corners.size(); ++k) {
+      volume_ += (p[0] - origin).cross(p[k] - origin).dot(p[k + 1] - origin) / 6;
+      if (!counts || !is_face(label)) continue;
+      const auto f = static_cast<size_t>(label);
+      const double area = 0.5 * (p[k] - p[0]).cross(p[k + 1] - p[0]).dot(fits_[f].normal);
+      const Vec3& centroid = fits_[f].centroid_mm;
+      area_[f] += area;
+      moment_[f] += area / 3 * ((p[0] - centroid) + (p[k] - centroid) + (p[k + 1] - centroid));
     }
   }
 
-  // The piece of face f between its outermost mesh edge a b and the line where it meets g.
-  void extend(AreaSum& sum, int32_t f, int32_t g, const Vec3& a, const Vec3& b) const {
-    const auto line =
-        meeting_line(fitted_.fits[static_cast<size_t>(f)], fitted_.fits[static_cast<size_t>(g)]);
-    if (!line) return;
-    const Vec3 foot_a = line->foot(a), foot_b = line->foot(b);
-    const double reach = 3 * reconstruction_.vertex_spacing_mm;  // farther off, the planes do not meet here
-    if ((foot_a - a).norm() > reach || (foot_b - b).norm() > reach) return;
-    sum.add_triangle(a, b, foot_b);
-    sum.add_triangle(a, foot_b, foot_a);
-  }
-
   const Reconstruction& reconstruction_;
-  const SurfaceGraph& graph_;
-  const FittedFaces& fitted_;
+  const std::vector<PlaneFit>& fits_;
   std::vector<int32_t> label_;
+  std::vector<Vec3> snapped_;  // vertices on their faces' planes
+  std::vector<double> area_;
+  std::vector<Vec3> moment_;  // about the fits' centroids
+  std::map<std::pair<int32_t, int32_t>, size_t> shared_;
+  double volume_ = 0;
 };
 
 }  // namespace
 
 FaceExtents face_extents(const Reconstruction& reconstruction, const SurfaceGraph& graph,
                          const FittedFaces& fitted) {
-  return ExtentFinder(reconstruction, graph, fitted).run();
+  FaceExtents extents = MeshCutter(reconstruction, graph, fitted).run();
+  std::vector<std::vector<BoundaryLoop>> loops = trace_boundaries(reconstruction, graph, fitted);
+  for (size_t f = 0; f < loops.size(); ++f) extents.faces[f].loops = std::move(loops[f]);
+  return extents;
 }
 
 }  // namespace tetragauge

@@ -5,20 +5,23 @@
 #include <set>
 #include <vector>
 
-#include "host/faces/assign_points.hpp"
+#include "host/faces/trace_boundaries.hpp"
 
 namespace tetragauge {
 
 struct FaceExtent {
-  double area_mm2 = 0;
+  double area_mm2 = 0;              // of what was seen, up to the edges where planes meet
+  double shadow_mm2 = 0;            // more of it, that no ray has touched
   Vec3 centroid_mm = Vec3::Zero();  // on the plane
   std::set<size_t> neighbours;
   std::vector<uint32_t> triangles;  // wholly on the face, ascending
+  std::vector<BoundaryLoop> loops;
 };
 
 struct FaceExtents {
   std::vector<FaceExtent> faces;
-  size_t strips = 0;  // connected strips of triangles that span an edge: the mesh's false chamfers
+  double volume_mm3 = 0;  // inside the faces' planes
+  size_t strips = 0;      // connected strips of triangles that span an edge: the mesh's false chamfers
 };
 
 FaceExtents face_extents(const Reconstruction& reconstruction, const SurfaceGraph& graph,

@@ -64,6 +64,12 @@ MeasuredFaces describe(const Scan& scan, const FittedFaces& fitted, FaceExtents 
     face.points = fit.points;
     result.list.faces.push_back(std::move(face));
     result.face_triangles.push_back(std::move(extents.faces[f].triangles));
+    for (BoundaryLoop& loop : extents.faces[f].loops) {
+      for (BoundaryEdge& edge : loop) {
+        if (edge.beyond != kNoRegion) edge.beyond = id[static_cast<size_t>(edge.beyond)] - 1;
+      }
+    }
+    result.boundaries.push_back(std::move(extents.faces[f].loops));
     fits.push_back(fit);
   }
   number_surfaces(result.list.faces, fits);
@@ -79,8 +85,24 @@ MeasuredFaces describe(const Scan& scan, const FittedFaces& fitted, FaceExtents 
   }
   for (size_t k = 0; k < order.size(); ++k)
     result.rms_mm[k] = std::sqrt(result.rms_mm[k] / static_cast<double>(fits[k].points));
+  result.volume_mm3 = extents.volume_mm3;
   result.points_rejected = scan.size() - result.points_used;
   return result;
+}
+
+Result<Regions> cluster(const Reconstruction& reconstruction, const FindFacesOptions& options,
+                        MeasuredFaces& result) {
+  const std::vector<FacetElement> elements = facet_elements(reconstruction, options.neighbour_weight);
+  FacetClusters clusters;
+  if (options.cluster == ClusterMethod::normals) {
+    clusters = cluster_by_normals(elements);
+  } else {
+    Result<FacetClusters> linked = cluster_by_single_link(elements, options.single_link, result.dendrogram);
+    if (!linked) return linked.error();
+    clusters = *std::move(linked);
+  }
+  result.coplanar_clusters = clusters.count;
+  return regions_of_clusters(reconstruction, elements, clusters);
 }
 
 }  // namespace
@@ -100,7 +122,15 @@ Result<MeasuredFaces> find_faces(const Scan& scan, const Reconstruction& reconst
   // before they are counted. The last fit goes to a fixed point.
   constexpr int kRounds = 20, kFewTurns = 3, kAllTurns = 20;
   constexpr size_t kFewPoints = 8;
-  Regions regions = grow_regions(reconstruction, graph, kMinVertices);
+  MeasuredFaces clustered;
+  Regions regions;
+  if (options.cluster == ClusterMethod::grow) {
+    regions = grow_regions(reconstruction, graph, kMinVertices);
+  } else {
+    Result<Regions> seeds = cluster(reconstruction, options, clustered);
+    if (!seeds) return seeds.error();
+    regions = *std::move(seeds);
+  }
   regions =
       split_creased(scan, reconstruction,
                     assign_points(scan, reconstruction, graph, std::move(regions), kFewPoints, kFewTurns));
@@ -122,6 +152,8 @@ Result<MeasuredFaces> find_faces(const Scan& scan, const Reconstruction& reconst
   false_chamfers += extents.strips;
   MeasuredFaces result = describe(scan, fitted, std::move(extents));
   result.false_chamfers_dropped = false_chamfers;
+  result.coplanar_clusters = clustered.coplanar_clusters;
+  result.dendrogram = std::move(clustered.dendrogram);
   return result;
 }
 

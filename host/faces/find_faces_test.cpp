@@ -49,12 +49,12 @@ ScanPlan staircase_plan(double pitch_mm, double sigma_mm) {
   return plan;
 }
 
-MeasuredFaces faces_of(const Scan& scan) {
+MeasuredFaces faces_of(const Scan& scan, const FindFacesOptions& options = {}) {
   const auto reconstruction = reconstruct(scan);
   EXPECT_TRUE(reconstruction.ok());
   EXPECT_EQ(reconstruction->rays_lost, 0u);
-  auto faces = find_faces(scan, *reconstruction);
-  EXPECT_TRUE(faces.ok());
+  auto faces = find_faces(scan, *reconstruction, options);
+  EXPECT_TRUE(faces.ok()) << faces.error().message;
   return *std::move(faces);
 }
 
@@ -121,15 +121,69 @@ TEST(FindFaces, StaircaseOfTwentyThousandPoints) {
 }
 
 // Thesis, chapter 5: 4077 points, perturbed uniformly by 10 to 100 um.
-TEST(FindFaces, StaircaseOfTheThesis) {
+TEST(FindFaces, StaircaseOfTheThesisByAllThreeMethods) {
   for (const double perturbation : {0.01, 0.03, 0.1}) {
     ScanPlan plan = staircase_plan(4.27, 0);
     plan.uniform_mm = perturbation;
     const Scan scan = synthetic::scan_part(synthetic::staircase(), plan);
     EXPECT_NEAR(static_cast<double>(scan.size()), 4077, 150);
-    const MeasuredFaces measured = faces_of(scan);
-    SCOPED_TRACE(perturbation);
-    expect_staircase(measured, perturbation / std::sqrt(3.0), 2.4);
+    for (const ClusterMethod method : {ClusterMethod::grow, ClusterMethod::normals, ClusterMethod::slink}) {
+      SCOPED_TRACE(std::to_string(perturbation) + " mm, method " + std::to_string(static_cast<int>(method)));
+      FindFacesOptions options;
+      options.cluster = method;
+      if (method == ClusterMethod::slink) options.single_link.count = 14;
+      const MeasuredFaces measured = faces_of(scan, options);
+      expect_staircase(measured, perturbation / std::sqrt(3.0), 2.4);
+      EXPECT_EQ(measured.coplanar_clusters,
+                method == ClusterMethod::slink ? 14u : measured.coplanar_clusters);
+    }
+  }
+}
+
+TEST(FindFaces, NoSuchNumberOfClusters) {
+  const Scan scan = synthetic::scan_part(synthetic::box(40, 30, 20), staircase_plan(4, 0.01));
+  const auto reconstruction = reconstruct(scan);
+  ASSERT_TRUE(reconstruction.ok());
+  FindFacesOptions options;
+  options.cluster = ClusterMethod::slink;
+  options.single_link.count = 5000;
+  const auto faces = find_faces(scan, *reconstruction, options);
+  ASSERT_FALSE(faces.ok());
+  EXPECT_EQ(faces.error().kind, ErrorKind::usage);
+}
+
+// Corners where three planes meet, and volume and areas up to them.
+TEST(FindFaces, BoundaryModelOfABox) {
+  ScanPlan plan;
+  plan.centre = Vec3(20, 15, 10);
+  plan.half_width_mm = 35;
+  plan.pitch_mm = 2;
+  plan.sigma_mm = 0.02;
+  const MeasuredFaces measured = faces_of(synthetic::scan_part(synthetic::box(40, 30, 20), plan));
+  ASSERT_EQ(measured.faces().size(), 6u);
+  EXPECT_NEAR(measured.volume_mm3, 40 * 30 * 20, 0.001 * 40 * 30 * 20);
+  for (size_t k = 0; k < 6; ++k) {
+    const Vec3 n = measured.faces()[k].normal.cwiseAbs();
+    const double area = 40.0 * 30 * 20 / n.dot(Vec3(40, 30, 20));
+    EXPECT_NEAR(measured.faces()[k].area_mm2, area, 0.02 * area);
+    ASSERT_EQ(measured.boundaries[k].size(), 1u);
+    const BoundaryLoop& loop = measured.boundaries[k].front();
+    ASSERT_EQ(loop.size(), 4u);
+    for (size_t i = 0; i < 4; ++i) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const double x = loop[i].from_mm[axis], far = Vec3(40, 30, 20)[axis];
+        EXPECT_LT(std::min(std::abs(x), std::abs(x - far)), 0.02);
+      }
+      // The edge lies on the face beyond it too, and that one's loop has it the other way round.
+      const auto beyond = static_cast<size_t>(loop[i].beyond);
+      const BoundaryLoop& other = measured.boundaries[beyond].front();
+      const Vec3 from = loop[i].from_mm, to = loop[(i + 1) % 4].from_mm;
+      EXPECT_TRUE(std::any_of(other.begin(), other.end(), [&](const BoundaryEdge& e) {
+        const auto next = static_cast<size_t>(&e - other.data() + 1) % other.size();
+        return e.beyond == static_cast<int32_t>(k) && (e.from_mm - to).norm() < 1e-9 &&
+               (other[next].from_mm - from).norm() < 1e-9;
+      }));
+    }
   }
 }
 

@@ -9,6 +9,19 @@
 using namespace tetragauge;
 using namespace tetragauge::bench;
 
+namespace {
+
+// The same cell has the same pose and noise whichever others are asked for (FNV-1a of its name).
+uint64_t cell_seed(const std::string& part, size_t points, double sigma_mm, uint64_t seed) {
+  uint64_t hash = 14695981039346656037u;
+  const std::string name =
+      part + "/" + std::to_string(points) + "/" + std::to_string(std::lround(1e6 * sigma_mm));
+  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211u;
+  return (hash ^ seed) & 0xffffffffffff;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   CLI::App app("Parts x sigma x points, each in a random pose: how many cells reach the goal");
   bool full = false, quiet = false;
@@ -42,7 +55,8 @@ int main(int argc, char** argv) {
         CellOptions options;
         options.points = points;
         options.sigma_mm = sigma;
-        options.seed = seed * 1000003 + ++cells;
+        options.seed = cell_seed(part.name, points, sigma, seed);
+        ++cells;
         const Result<Cell> cell = measure_cell(part.name, *solid, options);
         if (!cell) {
           std::fprintf(stderr, "%s: %s\n", part.name.c_str(), cell.error().message.c_str());

@@ -33,8 +33,9 @@ struct Segment {
 struct TrueFace {
   std::vector<Segment> rim;
   double perimeter_mm = 0;
-  double width_mm = 0;  // of the widest circle about a point of the scan that stays within the rim
-  size_t points = 0;    // that were measured on it
+  double width_mm = 0;         // of the widest circle about a point of the scan that stays within the rim
+  size_t points = 0;           // that were measured on it
+  Vec3 middle = Vec3::Zero();  // of these points, model frame: there the offset's error is sigma / sqrt(n)
 };
 
 using Micrometres = std::array<int64_t, 3>;
@@ -133,10 +134,12 @@ class Comparison {
       hit_face_[i] = hit->face;
       TrueFace& face = truth_[static_cast<size_t>(hit->face)];
       ++face.points;
+      face.middle += hit->point_mm;
       double clear = 1e9;
       for (const Segment& s : face.rim) clear = std::min(clear, s.distance(hit->point_mm));
       face.width_mm = std::max(face.width_mm, 2 * clear);
     }
+    for (TrueFace& face : truth_) face.middle /= std::max(1.0, static_cast<double>(face.points));
   }
 
   bool is_wanted(const TrueFace& face) const {
@@ -176,7 +179,7 @@ class Comparison {
 
   void compare_plane(size_t f, const Face& face) {
     const Face& model = solid_.faces()[f];
-    const Vec3 normal = T_.R * model.normal, point = T_ * model.point_mm;
+    const Vec3 normal = T_.R * model.normal, point = T_ * truth_[f].middle;
     const double sigma = options_.sigma_mm, n = static_cast<double>(truth_[f].points);
     const double offset = face.normal.dot(point) - face.d_mm;
     const double allowed = 3 * sigma / std::sqrt(n) + 0.02 * sigma +
@@ -199,7 +202,8 @@ class Comparison {
     }
   }
 
-  void compare_volumes(const Reconstruction& reconstruction, const MeasuredFaces&) {
+  void compare_volumes(const Reconstruction& reconstruction, const MeasuredFaces& faces) {
+    cell_.boundary_volume = faces.volume_mm3 / solid_.volume_mm3 - 1;
     double edges_mm = 0;
     for (const TrueFace& face : truth_) edges_mm += 0.5 * face.perimeter_mm;
     // A mesh cuts corners: its last vertices stand up to a spacing from the edge on either side, half of one
