@@ -98,7 +98,7 @@ class TestHost {
         chunk.views_count = 0;
       }
     }
-    begin_stream();
+    begin_stream(plan_id_);
     return true;
   }
   bool start() {
@@ -132,7 +132,9 @@ class TestHost {
     transmit({Channel::kEvent, 0}, message);
   }
 
-  void begin_stream() {
+  // A plan is loaded: what comes next is its stream.
+  void begin_stream(uint32_t plan_id) {
+    plan_id_ = plan_id;
     beams.clear();
     raw.clear();
     items = 0;

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <map>
 #include <random>
+#include <vector>
 
 #include "firmware/test_host.hpp"
 #include "firmware/test_views.hpp"
@@ -93,6 +94,68 @@ TEST_F(RawViews, BringEverySampleBeforeItsBeam) {
   host.run_until([&] { return host.ended; }, 30);
   expect_all_samples();
   EXPECT_EQ(host.beams.size(), 15 + kSmallViewRays);
+}
+
+TEST_F(RawViews, OfListedDirectionsMixWithRasters) {
+  // A raster, then 60 single directions, raw, in two chunks, then a raster.
+  const auto chunk = [](uint32_t view, std::vector<RayTarget> rays, uint32_t first, uint32_t total) {
+    tg_HostMessage message = tg_HostMessage_init_zero;
+    message.which_body = tg_HostMessage_measure_rays_tag;
+    tg_MeasureRays& list = message.body.measure_rays;
+    list.plan_id = 77;
+    list.view = view;
+    list.total_views = 3;
+    list.table_udeg = 45'000'000;
+    list.slide_um = 100'000;
+    list.samples = 34;
+    list.raw = true;
+    list.first_ray = first;
+    list.total_rays = total;
+    RayTarget last;
+    for (const RayTarget& ray : rays) {
+      list.a_urad[list.a_urad_count++] = ray.a_urad - last.a_urad;
+      list.b_urad[list.b_urad_count++] = ray.b_urad - last.b_urad;
+      last = ray;
+    }
+    return message;
+  };
+  const auto raster = [](uint32_t view) {
+    tg_HostMessage message = tg_HostMessage_init_zero;
+    message.which_body = tg_HostMessage_scan_load_tag;
+    message.body.scan_load.plan_id = 77;
+    message.body.scan_load.first_view = view;
+    message.body.scan_load.total_views = 3;
+    message.body.scan_load.views_count = 1;
+    message.body.scan_load.views[0] = small_view();
+    return message;
+  };
+  std::vector<RayTarget> rays;
+  for (int k = 0; k < 60; ++k) {
+    rays.push_back(
+        {static_cast<int32_t>(random() % 40'000) - 20'000, static_cast<int32_t>(random() % 40'000) - 20'000});
+  }
+  const auto taken_well = [&](const tg_HostMessage& message) {
+    return host.ask(message).which_body == tg_MachineMessage_done_tag;
+  };
+  ASSERT_TRUE(taken_well(raster(0)));
+  ASSERT_TRUE(taken_well(chunk(1, {rays.begin(), rays.begin() + 40}, 0, 60)));
+  ASSERT_TRUE(taken_well(chunk(1, {rays.begin() + 40, rays.end()}, 40, 60)));
+  ASSERT_TRUE(taken_well(raster(2)));
+  ASSERT_EQ(host.controller->state(), tg_State_STATE_ARMED);
+  host.begin_stream(77);
+  ASSERT_TRUE(host.start());
+  ASSERT_TRUE(host.run_until([&] { return host.ended; }, 60)) << host.trouble();
+  ASSERT_EQ(host.beams.size(), 2 * kSmallViewRays + 60);
+  EXPECT_EQ(host.end.crc, host.crc());
+  for (uint32_t k = 0; k < 60; ++k) {
+    const BeamRecord& beam = host.beams[kSmallViewRays + k];
+    EXPECT_EQ(beam.view, 1u);
+    EXPECT_EQ(beam.ray, k);
+    EXPECT_EQ(beam.reason, 0u);
+    EXPECT_LE(std::abs(beam.a_urad - rays[k].a_urad), kUradPerMirrorCode / 2);
+    EXPECT_LE(std::abs(beam.b_urad - rays[k].b_urad), kUradPerMirrorCode / 2);
+  }
+  EXPECT_EQ(host.raw.size(), 60u * (2 + 3 + 2)) << "17, 34 and 17 samples in items of 16";
 }
 
 TEST_F(RawViews, LoseNothingWhenTheRingIsFull) {
