@@ -35,7 +35,10 @@ Votes area_cost(const Tetrahedra& tetrahedra, uint32_t c, int i, double cost_per
   return std::lround(std::min(1e6, cost_per_mm2 * area));
 }
 
-std::vector<uint8_t> cut(const Tetrahedra& tetrahedra, const Visibility& visibility, double point_area_mm2) {
+}  // namespace
+
+std::vector<uint8_t> label_cells(const Tetrahedra& tetrahedra, const Visibility& visibility,
+                                 double point_area_mm2) {
   const double cost_per_mm2 = 0.01 * static_cast<double>(kOneRay) / point_area_mm2;
   const size_t cells = tetrahedra.cells.size();
   CutProblem problem;
@@ -55,18 +58,6 @@ std::vector<uint8_t> cut(const Tetrahedra& tetrahedra, const Visibility& visibil
     }
   });
   return minimum_cut(tetrahedra, std::move(problem));
-}
-
-}  // namespace
-
-std::vector<uint8_t> label_cells(const Tetrahedra& tetrahedra, const Visibility& visibility,
-                                 ReconstructMethod method, double point_area_mm2) {
-  if (method == ReconstructMethod::cut) return cut(tetrahedra, visibility, point_area_mm2);
-  std::vector<uint8_t> air = visibility.crossed;
-  for (size_t c = 0; c < air.size(); ++c) {
-    if (tetrahedra.cells[c].is_infinite() && visibility.cells[c].into_inside == 0) air[c] = 1;
-  }
-  return air;
 }
 
 }  // namespace tetragauge

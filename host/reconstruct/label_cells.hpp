@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which tetrahedra are air, which solid: by minimum cut over the rays' votes, or by the thesis's carving.
+// Which tetrahedra are air, which solid, by minimum cut over the rays' votes.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "host/reconstruct/reconstruct.hpp"
 #include "host/reconstruct/tetrahedra.hpp"
 #include "host/reconstruct/vote_visibility.hpp"
 
@@ -17,6 +16,6 @@ namespace tetragauge {
 // noise layer keeps shells of solid with nothing behind them. It is too little to outvote rays: not a
 // smoothing.
 std::vector<uint8_t> label_cells(const Tetrahedra& tetrahedra, const Visibility& visibility,
-                                 ReconstructMethod method, double point_area_mm2);
+                                 double point_area_mm2);
 
 }  // namespace tetragauge

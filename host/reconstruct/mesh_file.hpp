@@ -11,4 +11,12 @@ namespace tetragauge {
 
 std::string surface_to_ply(const Reconstruction& reconstruction);
 
+// The same triangles as binary STL: float, mm, no confidence; normals out of the material.
+std::string surface_to_stl(const Reconstruction& reconstruction);
+
+// The tetrahedra (ReconstructOptions::keep_tetrahedra) as VTK's XML UnstructuredGrid for ParaView, and as a
+// finite-element mesh (threshold `label` = 1). Per cell: `label` 0 air, 1 solid; `doubtful` 0, 1;
+// `confidence`; `air_rays`, `solid_rays`: the votes, in rays of typical sigma.
+std::string tetrahedra_to_vtu(const Reconstruction& reconstruction);
+
 }  // namespace tetragauge

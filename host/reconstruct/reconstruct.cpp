@@ -4,9 +4,11 @@
 #include <cmath>
 
 #include "host/reconstruct/average_points.hpp"
+#include "host/reconstruct/carve_cells.hpp"
 #include "host/reconstruct/extract_surface.hpp"
 #include "host/reconstruct/label_cells.hpp"
 #include "host/reconstruct/mass_properties.hpp"
+#include "host/reconstruct/rank_doubtful.hpp"
 #include "host/reconstruct/tetrahedra.hpp"
 #include "host/reconstruct/vote_visibility.hpp"
 
@@ -17,6 +19,8 @@ Status check(const Scan& scan, const ReconstructOptions& options) {
   const size_t n = scan.size();
   if (!(options.spacing_mm >= 0) || !std::isfinite(options.spacing_mm))
     return usage_error("reconstruct: the spacing of the vertices must be 0 (automatic) or a length in mm");
+  if (options.model && options.method != ReconstructMethod::carve)
+    return usage_error("reconstruct: a model is for the method carve; leave it out, or choose that method");
   if (n < 4)
     return bad_input("the scan has " + std::to_string(n) +
                      " points; tetrahedra need at least 4: scan more of the part");
@@ -35,25 +39,20 @@ Status check(const Scan& scan, const ReconstructOptions& options) {
   return Done{};
 }
 
-// Cells at the surface that their rays contradict, and solid no ray speaks about behind surface no ray has
-// touched: filling, not knowledge.
-size_t count_doubtful(const Tetrahedra& tetrahedra, const std::vector<uint8_t>& air,
-                      const Visibility& visibility, const Surface& surface) {
-  std::vector<uint8_t> unseen(tetrahedra.cells.size(), 0);
-  for (size_t t = 0; t < surface.triangles.size(); ++t) {
-    if (surface.triangles[t].unseen) unseen[surface.solid_cell[t]] = 1;
-  }
-  size_t doubtful = 0;
+// The finite cells, in order; the ranked ones get their places in that list.
+std::vector<LabelledTetrahedron> labelled(const Tetrahedra& tetrahedra, const std::vector<uint8_t>& air,
+                                          const Visibility& visibility,
+                                          const std::vector<DoubtfulTetrahedron>& doubtful) {
+  std::vector<LabelledTetrahedron> result;
+  result.reserve(tetrahedra.cells.size());
   for (size_t c = 0; c < tetrahedra.cells.size(); ++c) {
-    const Cell& cell = tetrahedra.cells[c];
-    if (cell.is_infinite()) continue;
-    bool at_surface = false;
-    for (uint32_t n : cell.neighbour) at_surface = at_surface || air[n] != air[c];
+    if (tetrahedra.cells[c].is_infinite()) continue;
     const CellVotes& votes = visibility.cells[c];
-    const Votes for_it = air[c] ? votes.air : votes.solid, all = votes.air + votes.solid;
-    if (at_surface && (all > 0 ? 4 * for_it < 3 * all : unseen[c] != 0)) ++doubtful;
+    result.push_back({tetrahedra.cells[c].vertex, air[c] != 0, false, cell_confidence(votes, air[c] != 0),
+                      static_cast<float>(votes.air) / kOneRay, static_cast<float>(votes.solid) / kOneRay});
   }
-  return doubtful;
+  for (const DoubtfulTetrahedron& d : doubtful) result[d.cell].is_doubtful = true;
+  return result;
 }
 
 }  // namespace
@@ -66,12 +65,16 @@ Result<Reconstruction> reconstruct(const Scan& scan, const ReconstructOptions& o
   const Tetrahedra& tetrahedra = *triangulated;
 
   const Visibility visibility = vote_visibility(tetrahedra, scan, averaged);
-  const std::vector<uint8_t> air = label_cells(tetrahedra, visibility, options.method,
-                                               averaged.point_spacing_mm * averaged.point_spacing_mm);
+  const std::vector<uint8_t> air =
+      options.method == ReconstructMethod::cut
+          ? label_cells(tetrahedra, visibility, averaged.point_spacing_mm * averaged.point_spacing_mm)
+          : carve_cells(tetrahedra, visibility, averaged, options.model);
 
   Reconstruction result;
   Surface surface = extract_surface(tetrahedra, air, visibility, scan, averaged);
-  result.doubtful = count_doubtful(tetrahedra, air, visibility, surface);
+  result.doubtful_ranked = rank_doubtful(tetrahedra, air, visibility, surface);
+  result.doubtful = result.doubtful_ranked.size();
+  if (options.keep_tetrahedra) result.cells = labelled(tetrahedra, air, visibility, result.doubtful_ranked);
   result.surface = std::move(surface.triangles);
   result.closed = is_closed(result.surface);
   result.rays_walked = visibility.rays_walked;

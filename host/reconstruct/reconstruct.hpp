@@ -8,6 +8,7 @@
 
 #include "host/base/result.hpp"
 #include "host/scan/scan.hpp"
+#include "host/solid/ray_caster.hpp"
 
 namespace tetragauge {
 
@@ -16,6 +17,9 @@ enum class ReconstructMethod { cut, carve };
 struct ReconstructOptions {
   ReconstructMethod method = ReconstructMethod::cut;
   double spacing_mm = 0;  // wanted spacing of the averaged vertices; 0: from point spacing and sigma
+  const RayCaster* model =
+      nullptr;                   // carve: the thesis's second elimination shoots into it; in the scan's frame
+  bool keep_tetrahedra = false;  // Reconstruction::cells
 };
 
 struct SurfaceTriangle {
@@ -23,6 +27,24 @@ struct SurfaceTriangle {
   std::array<int32_t, 3> neighbour;  // triangle across the edge opposite vertex i
   float confidence = 0;              // 0..1
   bool unseen = false;               // no ray touched it: closes the solid, never a face
+};
+
+// One that another measurement should decide: see rank_doubtful.hpp.
+struct DoubtfulTetrahedron {
+  Vec3 centroid_mm = Vec3::Zero();
+  double volume_mm3 = 0;
+  double face_area_mm2 = 0;       // of its facets that are surface
+  Vec3 look_from = Vec3::Zero();  // unit: a ray from there, to the centroid, would decide it
+  float confidence = 0;           // 0..1, of its label
+  bool is_air = false;
+  uint32_t cell = 0;  // index into Reconstruction::cells
+};
+
+struct LabelledTetrahedron {
+  std::array<uint32_t, 4> vertex;  // positively oriented
+  bool is_air = false, is_doubtful = false;
+  float confidence = 0;                // 0..1; 0 where rays are silent
+  float air_rays = 0, solid_rays = 0;  // votes, in rays of typical sigma
 };
 
 struct Reconstruction {
@@ -33,6 +55,9 @@ struct Reconstruction {
   std::vector<SurfaceTriangle> surface;
   double vertex_spacing_mm = 0;  // of the averaged vertices
   double point_spacing_mm = 0;   // of the raw points on the surface
+
+  std::vector<DoubtfulTetrahedron> doubtful_ranked;  // largest volume first
+  std::vector<LabelledTetrahedron> cells;            // with keep_tetrahedra
 
   size_t tetrahedra = 0, air = 0, solid = 0, doubtful = 0;
   size_t rays_walked = 0, rays_lost = 0;

@@ -2,8 +2,10 @@
 #include "host/reconstruct/reconstruct.hpp"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include "host/reconstruct/average_points.hpp"
+#include "host/reconstruct/mesh_file.hpp"
 #include "host/reconstruct/synthetic_scan.hpp"
 
 namespace tetragauge {
@@ -86,6 +88,69 @@ TEST(Reconstruct, OrderOfPointsChangesNothing) {
     ASSERT_EQ(a->surface[t].confidence, b->surface[t].confidence);
   }
   EXPECT_EQ(a->volume_mm3, b->volume_mm3);
+}
+
+std::string bytes_of(const Reconstruction& r) {
+  std::string bytes = surface_to_ply(r) + tetrahedra_to_vtu(r);
+  for (const SurfaceTriangle& t : r.surface) {
+    for (const int32_t n : t.neighbour) bytes += std::to_string(n) + " ";
+  }
+  return bytes;
+}
+
+TEST(Reconstruct, NeitherThreadsNorOrderChangeAByte) {
+  ScanPlan plan;
+  plan.centre = Vec3(40, 30, 30);
+  plan.pitch_mm = 3;
+  plan.sigma_mm = 0.1;
+  const Scan scan = synthetic::scan_part(synthetic::staircase(), plan);
+  for (const ReconstructMethod method : {ReconstructMethod::cut, ReconstructMethod::carve}) {
+    ReconstructOptions options;
+    options.method = method;
+    options.keep_tetrahedra = true;
+    std::string first;
+    for (const size_t threads : {1, 2, 7}) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      const auto r = reconstruct(synthetic::shuffled(scan, threads), options);
+      ASSERT_TRUE(r.ok());
+      if (first.empty()) first = bytes_of(*r);
+      EXPECT_TRUE(bytes_of(*r) == first) << threads << " threads";
+    }
+  }
+}
+
+// Noise, grids and curves are laid out along the axes: a turned scan is another problem with the same answer.
+TEST(Reconstruct, MovingTheScanMovesTheAnswer) {
+  const RigidTransform T{rotation_from_degrees(31, -47, 112), Vec3(300, -200, 150)};
+  const auto here = reconstruct(synthetic::scan_part(synthetic::box(50, 40, 30), box_plan()));
+  const auto there = reconstruct(synthetic::scan_part(synthetic::box(50, 40, 30), box_plan(), T));
+  ASSERT_TRUE(here.ok() && there.ok());
+  EXPECT_NEAR(there->volume_mm3, here->volume_mm3, 1e-4 * here->volume_mm3);
+  EXPECT_NEAR(there->area_mm2, here->area_mm2, 2e-3 * here->area_mm2);
+  EXPECT_LT((there->centroid_mm - T * here->centroid_mm).norm(), 0.01);
+  const Mat3 turned = T.R * here->inertia_mm5 * T.R.transpose();
+  EXPECT_LT((there->inertia_mm5 - turned).norm(), 1e-3 * turned.norm());
+}
+
+TEST(Reconstruct, FarFromTheOriginAndVerySmallAreNoDifferentCase) {
+  const auto here = reconstruct(synthetic::scan_part(synthetic::box(50, 40, 30), box_plan()));
+  ASSERT_TRUE(here.ok());
+  const auto far = reconstruct(synthetic::scan_part(synthetic::box(50, 40, 30), box_plan(),
+                                                    RigidTransform{Mat3::Identity(), Vec3(1e6, -1e6, 1e6)}));
+  ASSERT_TRUE(far.ok());
+  EXPECT_EQ(far->rays_lost, 0u);
+  EXPECT_NEAR(far->volume_mm3, here->volume_mm3, 1e-4 * here->volume_mm3);
+  Scan tiny = synthetic::scan_part(synthetic::box(50, 40, 30), box_plan());
+  for (size_t i = 0; i < tiny.size(); ++i) {
+    tiny.points[i] *= 1e-6;
+    tiny.ray_origins[i] *= 1e-6;
+    tiny.sigma_mm[i] *= 1e-6f;
+  }
+  const auto small = reconstruct(tiny);
+  ASSERT_TRUE(small.ok());
+  EXPECT_EQ(small->rays_lost, 0u);
+  EXPECT_TRUE(small->closed);
+  EXPECT_NEAR(small->volume_mm3 * 1e18, here->volume_mm3, 1e-3 * here->volume_mm3);
 }
 
 TEST(Reconstruct, AveragingKeepsTheSpacingAboveTheNoise) {

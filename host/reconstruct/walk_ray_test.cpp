@@ -156,7 +156,7 @@ TEST(WalkRay, LosesNoneOfManyRaysThroughDegenerateSets) {
     ASSERT_TRUE(tetrahedra.ok());
     RayWalker walker(*tetrahedra);
     std::mt19937 generator(5);
-    for (int k = 0; k < 20000; ++k) {
+    for (int k = 0; k < 170000; ++k) {
       const auto coordinate = [&] {
         return static_cast<double>(static_cast<int>(generator() % 61) - 30) / 3;
       };
@@ -166,6 +166,7 @@ TEST(WalkRay, LosesNoneOfManyRaysThroughDegenerateSets) {
       if (walk.end == Walk::End::lost) ++lost;
     }
   }
+  EXPECT_GT(walked, 1000000u);
   EXPECT_EQ(lost, 0u) << "of " << walked;
 }
 
