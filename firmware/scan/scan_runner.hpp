@@ -323,7 +323,9 @@ class ScanRunner {
     const uint32_t in_the_dark = captured_.on_rail(Light::kOffBefore) | captured_.on_rail(Light::kOffAfter);
     railed_ = in_the_dark != 0 ? railed_ + 1 : 0;
     if (record_.reason == tg_RejectReason_REJECT_INCONSISTENT) ++inconsistent_;
-    if (record_.reason == 0) inconsistent_ = 0;
+    // A spot that one camera alone sees, or faintly, agrees with any geometry.
+    constexpr uint32_t kNoWitness = tg_PointFlag_POINT_ONE_CAMERA | tg_PointFlag_POINT_WEAK;
+    if (record_.reason == 0 && (record_.flags & kNoWitness) == 0) inconsistent_ = 0;
     if (railed_ >= kRailedRays) found_ = tg_FaultCode_FAULT_SIGNAL;
     if (inconsistent_ >= config_->measure.misassembled_after) found_ = tg_FaultCode_FAULT_MISASSEMBLED;
   }
