@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "host/cli/inspect_options.hpp"
-#include "host/cli/machine_options.hpp"
+#include "host/cli/scan_options.hpp"
 
 namespace tetragauge::cli {
 namespace {
@@ -12,20 +12,21 @@ constexpr const char* kScanFile = "scan.ply";  // in the folder of the report
 void add_measure(CLI::App& app, Console& console, Run& run) {
   struct Options {
     InputOptions input;
-    MachineArguments machine;
+    ScanArguments scan;
     InspectArguments inspect;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command =
       add_command(app, console, "measure", "The main job: scan with a machine, inspect, report");
-  options->machine.add(*command);
+  options->scan.add(*command);
   options->input.add_model(*command);
   options->input.add_unit(*command);
   options->inspect.add(*command);
   command->callback([options, &console, &run] {
     run = [options, &console]() -> Result<int> {
-      if (Status status = options->machine.check(); !status) return status.error();
-      std::vector<std::string> inputs = options->machine.input_files();
+      const std::string scan_path = (std::filesystem::path(options->inspect.out) / kScanFile).string();
+      if (Status status = options->scan.begin(scan_path); !status) return status.error();
+      std::vector<std::string> inputs = options->scan.input_files();
       inputs.push_back(options->input.model);
       if (Status status = options->inspect.prepare_folder(console, inputs, {kScanFile}); !status)
         return status.error();
@@ -33,10 +34,8 @@ void add_measure(CLI::App& app, Console& console, Run& run) {
       if (!model) return model.error();
       Result<Tolerances> tolerances = options->inspect.read_limits(*model);
       if (!tolerances) return tolerances.error();
-      Result<MeasuredScan> measured = options->machine.scan(console);
+      Result<MeasuredScan> measured = options->scan.measure(console);
       if (!measured) return measured.error();
-      const std::string scan_path = (std::filesystem::path(options->inspect.out) / kScanFile).string();
-      if (Status status = write_scan(scan_path, measured->scan); !status) return status.error();
       return options->inspect.run(console, measured->scan, scan_path, *model, options->input.model,
                                   *tolerances);
     };

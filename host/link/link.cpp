@@ -16,11 +16,25 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr milliseconds kWriteTimeout{2000};
+// A broken frame may have been the reply: asked again soon, but not once for each byte of a wrong device.
+constexpr milliseconds kRetryAfterNoise{20};
+
+// The machine answers a request whose id it has just seen with what it said then, and an earlier session may
+// have ended a moment ago: ids start where the clock stands.
+uint32_t first_request_id() {
+  const auto now =
+      std::chrono::duration_cast<std::chrono::microseconds>(steady_clock::now().time_since_epoch());
+  return static_cast<uint32_t>(now.count());
+}
 
 }  // namespace
 
 Link::Link(std::unique_ptr<Transport> transport, LinkOptions options)
-    : transport_(std::move(transport)), options_(std::move(options)), heard_(steady_clock::now()) {}
+    : transport_(std::move(transport)),
+      reader_(*transport_),
+      options_(std::move(options)),
+      next_request_(first_request_id()),
+      heard_(steady_clock::now()) {}
 
 Result<std::unique_ptr<Link>> Link::connect(std::unique_ptr<Transport> transport, LinkOptions options) {
   std::unique_ptr<Link> link(new Link(std::move(transport), std::move(options)));
@@ -103,19 +117,17 @@ Status Link::take_event(const tg_MachineMessage& message) {
   }
 }
 
-Status Link::take(const Frame& frame) {
-  tg_MachineMessage message = tg_MachineMessage_init_zero;
-  if (!decode_message(frame, &message)) return Done{};  // counted by the machine's side as unanswered
+Status Link::take(const ReceivedMessage& received) {
   heard_ = steady_clock::now();
-  switch (frame.header.channel) {
+  switch (received.header.channel) {
     case Channel::kReply:
       // A reply that is not awaited belongs to a request that was repeated.
-      if (frame.header.id == awaited_) reply_ = message;
+      if (received.header.id == awaited_) reply_ = received.message;
       return Done{};
     case Channel::kEvent:
-      return take_event(message);
+      return take_event(received.message);
     case Channel::kStream:
-      stream_.push_back({frame.header.id, message});
+      stream_.push_back({received.header.id, received.message});
       return Done{};
     case Channel::kRequest:
       return Done{};
@@ -124,21 +136,11 @@ Status Link::take(const Frame& frame) {
 }
 
 Result<bool> Link::wait_for_frame(milliseconds timeout) {
-  const auto deadline = steady_clock::now() + timeout;
-  std::array<uint8_t, 4096> buffer;
-  for (;;) {
-    const auto left = std::chrono::duration_cast<milliseconds>(deadline - steady_clock::now());
-    const auto count = transport_->read_some(buffer, std::max(left, milliseconds(0)));
-    if (!count) return count.error();
-    bool any = false;
-    for (size_t i = 0; i < *count; ++i) {
-      if (!reader_.push(buffer[i])) continue;
-      any = true;
-      if (const Status done = take(reader_.frame()); !done) return done.error();
-    }
-    if (any) return true;
-    if (steady_clock::now() >= deadline) return false;
-  }
+  const auto received = reader_.next(timeout);
+  if (!received) return received.error();
+  if (!*received) return false;
+  if (const Status done = take(**received); !done) return done.error();
+  return true;
 }
 
 Result<tg_MachineMessage> Link::request(const tg_HostMessage& message) {
@@ -146,14 +148,17 @@ Result<tg_MachineMessage> Link::request(const tg_HostMessage& message) {
   reply_.reset();
   const auto started = steady_clock::now();
   auto sent_at = started - options_.retry;
+  uint32_t bad_frames = reader_.bad_frames();
   while (!reply_) {
     const auto now = steady_clock::now();
     if (now - started >= options_.silence) return silence_error();
-    if (now - sent_at >= options_.retry) {
+    const bool maybe_lost = reader_.bad_frames() != bad_frames;
+    if (now - sent_at >= (maybe_lost ? kRetryAfterNoise : options_.retry)) {
       if (const Status sent = send({Channel::kRequest, awaited_}, message); !sent) return sent.error();
       sent_at = now;
+      bad_frames = reader_.bad_frames();
     }
-    const auto heard = wait_for_frame(options_.retry);
+    const auto heard = wait_for_frame(maybe_lost ? kRetryAfterNoise : options_.retry);
     if (!heard) return heard.error();
   }
   awaited_ = 0;
@@ -197,6 +202,7 @@ Result<std::optional<StreamItem>> Link::next_stream_item(milliseconds timeout) {
     if (left.count() <= 0) return std::optional<StreamItem>();
     const auto heard = wait_for_frame(left);
     if (!heard) return heard.error();
+    if (!*heard) return std::optional<StreamItem>();
   }
   std::optional<StreamItem> item(stream_.front());
   stream_.pop_front();

@@ -3,12 +3,11 @@
 // points.
 //
 //   auto transport = open_transport("/dev/ttyUSB0");
-//   auto link = Link::connect(std::move(*transport));      // says Hello and checks that both speak the same
-//   protocol auto reply = (*link)->request(message);                // repeated until answered; a refusal is
-//   an error
+//   auto link = Link::connect(std::move(*transport));  // says Hello, checks that both speak one protocol
+//   auto reply = (*link)->request(message);            // repeated until answered; a refusal is an error
 //
-// Every failure is ErrorKind::machine, names the device and says what to do next. One thread; heartbeats are
-// answered whenever a function here waits.
+// Every failure is ErrorKind::machine, names the device and says what to do next. A thread of its own reads
+// the line; heartbeats are answered by whoever calls, whenever a function here waits.
 #pragma once
 
 #include <chrono>
@@ -18,8 +17,8 @@
 #include <string>
 
 #include "host/base/result.hpp"
+#include "host/link/line_reader.hpp"
 #include "host/link/transport.hpp"
-#include "protocol/message.hpp"
 
 namespace tetragauge {
 
@@ -52,15 +51,18 @@ class Link {
   // A message without reply: credit or resend.
   Status send_event(const tg_HostMessage& message);
 
-  // The next stream item, in whatever order they come; nullopt when none came within `timeout`.
+  // The next stream item, in whatever order they come; nullopt when none came within `timeout`, or when a
+  // broken frame came, which may have been one.
   Result<std::optional<StreamItem>> next_stream_item(std::chrono::milliseconds timeout);
-  // Answers heartbeats until one frame of any kind came or `timeout` is over; true: one came.
+  // Answers heartbeats until one frame of any kind came or `timeout` is over; true: a good one came.
   Result<bool> wait_for_frame(std::chrono::milliseconds timeout);
 
   // The last heartbeat, and a fault the machine has reported since connect().
   const std::optional<tg_Heartbeat>& heartbeat() const { return heartbeat_; }
   const std::optional<tg_Fault>& fault() const { return fault_; }
   void forget_fault() { fault_.reset(); }
+  // Broken frames that were dropped.
+  uint32_t bad_frames() const { return reader_.bad_frames(); }
   // Time since anything good was heard.
   std::chrono::milliseconds silent_for() const;
   Error silence_error() const;
@@ -70,14 +72,14 @@ class Link {
   Link(std::unique_ptr<Transport> transport, LinkOptions options);
   Status say_hello();
   Status send(FrameHeader header, const tg_HostMessage& message);
-  Status take(const Frame& frame);
+  Status take(const ReceivedMessage& received);
   Status take_event(const tg_MachineMessage& message);
 
   std::unique_ptr<Transport> transport_;
+  LineReader reader_;
   LinkOptions options_;
-  FrameReader reader_;
   tg_HelloReply hello_ = tg_HelloReply_init_zero;
-  uint32_t next_request_ = 1, next_event_ = 1;
+  uint32_t next_request_, next_event_ = 1;
   uint32_t awaited_ = 0;  // id of the request that waits for its reply; 0: none
   std::optional<tg_MachineMessage> reply_;
   std::deque<StreamItem> stream_;

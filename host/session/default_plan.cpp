@@ -82,6 +82,13 @@ Result<ScanPlan> default_plan(Link& link, const DefaultPlanOptions& options, con
   if (scan.log) scan.log("survey of the working volume");
   ScanOptions quick = scan;
   quick.keep_table = false;
+  quick.journal = nullptr;
+  if (scan.on_progress) {
+    quick.on_progress = [&](ScanProgress progress) {
+      progress.survey = true;
+      scan.on_progress(progress);
+    };
+  }
   auto survey = run_scan(link, survey_plan(), quick);
   if (!survey) return survey.error();
   if (survey->scan.points.empty()) {
@@ -89,9 +96,9 @@ Result<ScanPlan> default_plan(Link& link, const DefaultPlanOptions& options, con
                          std::to_string(survey->counts.table_points) +
                          " points of the table only); put one on it, or give a plan with --plan");
   }
-  const auto head = read_head_geometry(link);
-  if (!head) return head.error();
-  return plan_around(*head, survey->scan.points, options);
+  const auto config = read_head_config(link);
+  if (!config) return config.error();
+  return plan_around(head_geometry(config->galvo, config->stage), survey->scan.points, options);
 }
 
 }  // namespace tetragauge

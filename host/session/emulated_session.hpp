@@ -20,22 +20,26 @@ struct EmulatedSession {
   std::unique_ptr<Link> link;
 };
 
+inline Result<std::unique_ptr<Link>> connect_to(const EmulatedMachine& machine) {
+  auto transport = open_transport(machine.device());
+  if (!transport) return transport.error();
+  return Link::connect(std::move(*transport));
+}
+
 inline Result<EmulatedSession> start_session(EmulatedMachineOptions options) {
   options.emulator = TETRAGAUGE_EMULATOR;
   EmulatedSession session;
   auto machine = EmulatedMachine::start(options);
   if (!machine) return machine.error();
   session.machine = std::move(*machine);
-  auto transport = open_transport(session.machine->device());
-  if (!transport) return transport.error();
-  auto link = Link::connect(std::move(*transport));
+  auto link = connect_to(*session.machine);
   if (!link) return link.error();
   session.link = std::move(*link);
   return session;
 }
 
-// A file in a folder of this test program's own, removed at its end.
-inline std::filesystem::path temporary_file(const std::string& name, const std::string& content) {
+// A folder of this test program's own, removed at its end.
+inline std::filesystem::path temporary_folder() {
   struct Folder {
     std::filesystem::path path =
         std::filesystem::temp_directory_path() / ("tetragauge-test-" + std::to_string(::getpid()));
@@ -43,7 +47,12 @@ inline std::filesystem::path temporary_file(const std::string& name, const std::
     ~Folder() { std::filesystem::remove_all(path); }
   };
   static const Folder folder;
-  const auto path = folder.path / name;
+  return folder.path;
+}
+
+// A file in it.
+inline std::filesystem::path temporary_file(const std::string& name, const std::string& content) {
+  const auto path = temporary_folder() / name;
   std::ofstream(path) << content;
   return path;
 }

@@ -91,7 +91,7 @@ Status prepare_machine(Link& link, const ScanOptions& options) {
   return wait_until_homed(link, options);
 }
 
-Result<HeadGeometry> read_head_geometry(Link& link) {
+Result<HeadConfig> read_head_config(Link& link) {
   const auto galvo = link.config(tg_ConfigPart_CONFIG_GALVO);
   if (!galvo) return galvo.error();
   const auto stage = link.config(tg_ConfigPart_CONFIG_STAGE);
@@ -101,7 +101,7 @@ Result<HeadGeometry> read_head_geometry(Link& link) {
                          ": the machine sent another part of its configuration than was asked for; "
                          "flash firmware of this version");
   }
-  return head_geometry(galvo->part.galvo, stage->part.stage);
+  return HeadConfig{galvo->part.galvo, stage->part.stage};
 }
 
 }  // namespace tetragauge

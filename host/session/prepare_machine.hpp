@@ -10,7 +10,12 @@ namespace tetragauge {
 
 Status prepare_machine(Link& link, const ScanOptions& options);
 
-Result<HeadGeometry> read_head_geometry(Link& link);
+// For head_geometry().
+struct HeadConfig {
+  tg_GalvoConfig galvo;
+  tg_StageConfig stage;
+};
+Result<HeadConfig> read_head_config(Link& link);
 
 // A request whose answer is just yes (or an error).
 Status command(Link& link, pb_size_t which);

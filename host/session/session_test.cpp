@@ -135,9 +135,8 @@ TEST(Session, SilentHostPausesTheMachineAndBreaksNothing) {
   bool slept = false;
   bool paused = false;
   ScanOptions options;
+  options.log = [&](const std::string& line) { paused = paused || line.find("paused") != std::string::npos; };
   options.on_progress = [&](const ScanProgress& progress) {
-    const auto& heartbeat = session->link->heartbeat();
-    paused = paused || (heartbeat && heartbeat->state == tg_State_STATE_PAUSED);
     if (slept || progress.view != 2) return;
     slept = true;
     std::this_thread::sleep_for(std::chrono::milliseconds(5800));
