@@ -152,6 +152,22 @@ TEST_F(ServiceTest, JogsUnhomedAndIsStoppedThere) {
   ASSERT_TRUE(host.home()) << host.trouble();
 }
 
+TEST_F(ServiceTest, AnEndSwitchStopsAJogAndOneGetsOffItAgain) {
+  restart();
+  ASSERT_EQ(jog(tg_AxisName_AXIS_SLIDE, -400'000).which_body, tg_MachineMessage_done_tag);
+  ASSERT_TRUE(host.run_until([&] { return state() == tg_State_STATE_FAULT; }, 60)) << host.trouble();
+  EXPECT_EQ(status().fault, tg_FaultCode_FAULT_LIMIT);
+  const int64_t at = host.board.position[1];
+  host.run(1);
+  EXPECT_EQ(host.board.position[1], at) << "stands still";
+  ASSERT_TRUE(host.accepted(tg_HostMessage_clear_fault_tag));
+  ASSERT_EQ(state(), tg_State_STATE_IDLE);
+  ASSERT_EQ(jog(tg_AxisName_AXIS_SLIDE, 5'000).which_body, tg_MachineMessage_done_tag);
+  wait_for_rest();
+  EXPECT_EQ(state(), tg_State_STATE_IDLE);
+  ASSERT_TRUE(host.home()) << host.trouble();
+}
+
 TEST_F(ServiceTest, PointsTheMirrorsWithinTheirLimit) {
   ASSERT_EQ(galvo(-1'430, 2'858).which_body, tg_MachineMessage_done_tag);
   EXPECT_EQ(host.board.mirror_a, -238) << "6 urad a code";
