@@ -63,7 +63,7 @@ bool Picture::hides(const Vec3& p, double slack) const {
 
 void Picture::draw_number(int number, double x, double y, int dot, Colour colour) {
   static constexpr std::array<const char*, 10> kDigits = {
-      "### # ## ## ###", " # ##  #  # ###", "###  #####  ###", "###  ####  ####", "# ## ####  #  #",
+      "#### ## ## ####", " # ##  #  # ###", "###  #####  ###", "###  ####  ####", "# ## ####  #  #",
       "####  ###  ####", "####  #### ####", "###  #  #  #  #", "#### ##### ####", "#### ####  ####"};
   const std::string digits = std::to_string(number);
   const int left = static_cast<int>(std::lround(x)) - static_cast<int>(digits.size()) * 2 * dot;
