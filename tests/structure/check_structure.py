@@ -39,7 +39,7 @@ ONLY_IN = {
     r'embree': ['host/solid'],
     r'libserialport': ['host/link', 'tests/pty_preload'],
     r'pb(_encode|_decode|_common)?\.h': ['protocol'],
-    r'CLI/': ['host/cli', 'boards/emulated'],
+    r'CLI/': ['host/cli', 'boards/emulated', 'tests/bench'],
     r'(gp_|TopoDS|BRep|STEP|Standard_|Geom|TopExp|TDF|XCAF|Poly_|GProp|Shape)\w*\.hxx': ['host/solid'],
 }
 LICENCES = [('host/', 'GPL-3.0-or-later'), ('sim/', 'GPL-3.0-or-later'), ('tests/', 'GPL-3.0-or-later'),
