@@ -7,6 +7,7 @@
 #include <BRepBuilderAPI_MakeWire.hxx>
 #include <BRepBuilderAPI_Transform.hxx>
 #include <BRep_Builder.hxx>
+#include <ShapeUpgrade_UnifySameDomain.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Compound.hxx>
 #include <TopoDS_Wire.hxx>
@@ -186,7 +187,12 @@ TopoDS_Shape outline(const CsgNode& node, const Affine& M) {
 TopoDS_Shape build_outline(const std::vector<CsgNode>& nodes, const Affine& M) {
   std::vector<TopoDS_Shape> shapes;
   for (const CsgNode& node : nodes) shapes.push_back(outline(node, M));
-  return nodes.empty() ? TopoDS_Shape() : unite(nodes[0], shapes);
+  const TopoDS_Shape whole = nodes.empty() ? TopoDS_Shape() : unite(nodes[0], shapes);
+  if (whole.IsNull()) return whole;
+  // A Boolean leaves the seams of its parts in the plane; swept, each part would become a body of its own.
+  ShapeUpgrade_UnifySameDomain seams(whole, true, true, false);
+  seams.Build();
+  return seams.Shape();
 }
 
 }  // namespace tetragauge

@@ -214,6 +214,18 @@ TEST(Csg, TurnedBoxesThatTouchMergeInSpiteOfSixDigits) {
   EXPECT_NEAR(solid.volume_mm3, 70 * 40 * 30 + 70 * 20 * 10, 1e-3);
 }
 
+TEST(Csg, AFlatUnionIsSweptAsOneBody) {
+  const Solid solid = solid_from_csg(
+      "linear_extrude(height = 4) { difference() { union() { square(size = [30, 10], center = false);\n"
+      "  multmatrix([[1, 0, 0, 10], [0, 1, 0, 5], [0, 0, 1, 0], [0, 0, 0, 1]]) { square(size = [10, 15]); } "
+      "}\n"
+      "  multmatrix([[1, 0, 0, 12], [0, 1, 0, 8], [0, 0, 1, 0], [0, 0, 0, 1]]) { square(size = [2, 4]); } } "
+      "}");
+  EXPECT_EQ(solid.solids, 1);
+  expect_volume_and_area(solid, (300 + 100 - 8) * 4.0, 2 * 392.0 + 4 * (100 + 12));
+  EXPECT_EQ(solid.faces().size(), 2u + 8 + 4);
+}
+
 TEST(Csg, MarksOfOpenScad) {
   const Solid solid = solid_from_csg(
       "%cube(size = [1, 1, 1]);\n#cube(size = [2, 2, 2]);\n*sphere(r = 3);\n"
