@@ -108,16 +108,11 @@ Status ScanJournal::read(const JournalRecord& record) {
     case kItem:
       if (runs_.empty() || !message_of(record.payload, message)) return bad_input("not a stream item");
       runs_.back().items.push_back(record.payload);
+      ++items_;
       return Done{};
     default:
       return bad_input("of an unknown kind");
   }
-}
-
-size_t ScanJournal::items() const {
-  size_t count = 0;
-  for (const JournaledRun& run : runs_) count += run.items.size();
-  return count;
 }
 
 Status ScanJournal::keep_plan(JournaledPlan plan) {
@@ -153,7 +148,9 @@ Status ScanJournal::keep_item(const tg_MachineMessage& item) {
       item.which_body != tg_MachineMessage_points_tag || item.body.points.view != last_view_;
   if (item.which_body == tg_MachineMessage_points_tag) last_view_ = item.body.points.view;
   if (next_view) file_->sync_soon();
-  return file_->append(kItem, frame_of(item));
+  if (const Status kept = file_->append(kItem, frame_of(item)); !kept) return kept;
+  ++items_;
+  return Done{};
 }
 
 void ScanJournal::remove() {

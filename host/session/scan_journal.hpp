@@ -52,8 +52,10 @@ class ScanJournal {
   const nlohmann::ordered_json& order() const { return order_; }
   // Nothing: the session was killed before it had a plan.
   const std::optional<JournaledPlan>& plan() const { return plan_; }
+  // With what was in them when the journal was reopened.
   const std::vector<JournaledRun>& runs() const { return runs_; }
-  size_t items() const;
+  // Kept so far, in all sessions.
+  size_t items() const { return items_; }
   // Of a damaged end, when it was reopened.
   uint64_t bytes_cut() const { return bytes_cut_; }
   const std::filesystem::path& path() const { return file_->path(); }
@@ -76,6 +78,7 @@ class ScanJournal {
   std::vector<JournaledRun> runs_;
   uint64_t bytes_cut_ = 0;
   uint32_t last_view_ = 0;
+  size_t items_ = 0;
 };
 
 }  // namespace tetragauge

@@ -87,6 +87,38 @@ class Resume(cl.CommandLineTest):
             os.remove(self.path('scan.ply'))
         self.assertGreaterEqual(sum(size > ORDER_BYTES for size in sizes), MOMENTS // 2, sizes)
 
+    def test_stopped_by_the_user(self):
+        machine = ('--emulated', 'part.csg', '--pitch', '1', '--operator', 'A. B', '--part-serial', '7')
+        clean, largest, _ = self.clean_scan(*machine)
+        self.assertIn(b'comment operator A. B\n', clean)
+        self.assertIn(b'comment part_serial 7\n', clean)
+        host = self.start(*machine)
+        self.watch(host, largest // 2)
+        host.send_signal(signal.SIGINT)
+        self.assertEqual(host.wait(), 4)
+        said = host.stderr.read().decode()
+        for words in ('laser is off', 'scan.ply.journal', '--resume'):
+            self.assertIn(words, said)
+        size = self.journal_size()
+        self.assertGreaterEqual(size, largest // 2)
+        # Neither another scan nor other options get at what was measured.
+        for wrong in (machine, ('--resume', '--seed', '9'), ('--resume', '--port', 'unix:x')):
+            done = self.run_command('scan', *wrong, '--out', 'scan.ply')
+            self.assertIn(done.returncode, (2, 3), done.stderr)
+            self.assertIn('scan.ply.journal', done.stderr)
+            self.assertEqual(self.journal_size(), size)
+        self.write('part.csg', PART.replace('40', '41'))
+        done = self.run_command('scan', '--resume', '--out', 'scan.ply')
+        self.assertEqual(done.returncode, 3)
+        self.assertIn('has changed', done.stderr)
+        self.write('part.csg', PART)
+        done = self.run_command('scan', '--resume', '--out', 'scan.ply')
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(self.read('scan.ply'), clean)
+        done = self.run_command('scan', '--resume', '--out', 'scan.ply')
+        self.assertEqual(done.returncode, 3)
+        self.assertIn('finished', done.stderr)
+
     def test_own_emulator(self):
         self.kill_at_random_moments('--emulated', 'part.csg', '--pitch', '2', '--seed', '5')
 
