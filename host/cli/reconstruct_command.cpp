@@ -98,8 +98,9 @@ void add_reconstruct(CLI::App& app, Console& console, Run& run) {
       ->check(not_empty());
   command->callback([options, &console, &run] {
     run = [options, &console]() -> Result<int> {
-      if (Status status = check_outputs(console, {options->out, options->tetrahedra},
-                                        {options->input.scan, options->input.model});
+      std::vector<std::string> outputs{options->out};
+      if (!options->tetrahedra.empty()) outputs.push_back(options->tetrahedra);
+      if (Status status = check_outputs(console, outputs, {options->input.scan, options->input.model});
           !status)
         return status.error();
       const std::string ending = lower_case_ending(options->out);
