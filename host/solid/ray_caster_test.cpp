@@ -292,7 +292,7 @@ TEST(RayCaster, NoRayLeaksIntoAClosedPart) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> uniform(0, 1);
   int rays = 0;
-  while (rays < 100000) {
+  while (rays < 1000000) {
     const Vec3 p(80 * uniform(random), 60 * uniform(random), 60 * uniform(random));
     if (!is_deep(p)) continue;
     ++rays;
