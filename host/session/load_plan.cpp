@@ -34,16 +34,20 @@ std::vector<tg_HostMessage> load_chunks(uint32_t plan_id, std::span<const tg_Vie
   return chunks;
 }
 
+Status send_chunks(Link& link, std::span<const tg_HostMessage> chunks) {
+  for (const tg_HostMessage& chunk : chunks) {
+    const auto reply = link.request(chunk);
+    if (!reply) return reply.error();
+  }
+  return Done{};
+}
+
 Status load_plan(Link& link, uint32_t plan_id, std::span<const tg_View> views) {
   if (views.size() > link.machine().max_views) {
     return bad_input("the plan has " + std::to_string(views.size()) + " views, the machine takes " +
                      std::to_string(link.machine().max_views) + "; split it");
   }
-  for (const tg_HostMessage& chunk : load_chunks(plan_id, views)) {
-    const auto reply = link.request(chunk);
-    if (!reply) return reply.error();
-  }
-  return Done{};
+  return send_chunks(link, load_chunks(plan_id, views));
 }
 
 }  // namespace tetragauge

@@ -15,6 +15,8 @@ uint32_t plan_id_of(std::span<const tg_View> views);
 // The ScanLoad messages that load it, in order.
 std::vector<tg_HostMessage> load_chunks(uint32_t plan_id, std::span<const tg_View> views);
 
+Status send_chunks(Link& link, std::span<const tg_HostMessage> chunks);
+
 // ARMED afterwards.
 Status load_plan(Link& link, uint32_t plan_id, std::span<const tg_View> views);
 

@@ -8,7 +8,6 @@
 #include "host/session/scan_journal.hpp"
 
 namespace tetragauge {
-namespace {
 
 Status start_scan(Link& link, uint32_t plan_id) {
   if (const Status done = grant_credit(link, plan_id, 0); !done) return done;
@@ -20,7 +19,24 @@ Status start_scan(Link& link, uint32_t plan_id) {
   return Done{};
 }
 
-}  // namespace
+Result<double> take_stream(Link& link, uint32_t plan_id, StreamSum so_far, const ScanOptions& options,
+                           const StreamTakers& takers) {
+  const auto before = link.status();
+  if (!before) return before.error();
+  const auto end = receive_stream(link, plan_id, so_far, options, takers);
+  if (!end) {
+    // The laser must not stay on; a machine that can be reached is told, one that cannot pauses by itself.
+    // The first error is the one that counts.
+    if (link.silent_for() < link.silence()) (void)command(link, tg_HostMessage_scan_abort_tag);
+    return end.error();
+  }
+  return 1e-6 * static_cast<double>(end->clock_us - before->clock_us);
+}
+
+Error incomplete_scan(const Link& link) {
+  return machine_error(link.device() + ": the machine ended the scan before the plan's last beam; flash " +
+                       "firmware of this version");
+}
 
 void BeamMerger::take(const RestOfPlan& rest, const tg_PointBatch& batch, std::span<const BeamRecord> beams) {
   std::array<BeamRecord, kBatchBeams> missing;
@@ -58,21 +74,11 @@ Status finish_run(Link& link, std::span<const tg_View> whole, const PlanRun& run
                          .beams_resumed = beams_before,
                          .counts = builder.measured.counts});
   };
-  const auto before = link.status();
-  if (!before) return before.error();
-  const auto end = receive_stream(link, run.plan_id, run.so_far, options, takers);
-  if (!end) {
-    // The laser must not stay on; a machine that can be reached is told, one that cannot pauses by itself.
-    // The first error is the one that counts.
-    if (link.silent_for() < link.silence()) (void)command(link, tg_HostMessage_scan_abort_tag);
-    return end.error();
-  }
-  if (merger.next().view != whole.size()) {
-    return machine_error(link.device() + ": the machine ended the scan before the plan's last beam; flash " +
-                         "firmware of this version");
-  }
+  const auto time_s = take_stream(link, run.plan_id, run.so_far, options, takers);
+  if (!time_s) return time_s.error();
+  if (merger.next().view != whole.size()) return incomplete_scan(link);
   ScanCounts& counts = builder.measured.counts;
-  counts.machine_time_s = 1e-6 * static_cast<double>(end->clock_us - before->clock_us);
+  counts.machine_time_s = *time_s;
   counts.timed_beams = counts.beams - beams_before;
   return Done{};
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A plan, or what is left of it, measured by a machine that is homed: the part of a session that run_scan and
-// resume_scan share.
+// A plan, or what is left of it, measured by a machine that is homed: the part of a session that run_scan,
+// resume_scan and measure_rays share.
 #pragma once
 
 #include "host/session/receive_stream.hpp"
@@ -39,5 +39,13 @@ Status measure_rest(Link& link, std::span<const tg_View> whole, BeamMerger& merg
 // Takes the stream of a run that is under way to its end. On an error the machine is told to abort.
 Status finish_run(Link& link, std::span<const tg_View> whole, const PlanRun& run, BeamMerger& merger,
                   ScanBuilder& builder, const ScanOptions& options);
+
+// The steps of it. A loaded plan begins:
+Status start_scan(Link& link, uint32_t plan_id);
+// and is taken to its end: seconds by the machine's clock. On an error the machine is told to abort.
+Result<double> take_stream(Link& link, uint32_t plan_id, StreamSum so_far, const ScanOptions& options,
+                           const StreamTakers& takers);
+// Its end came too early.
+Error incomplete_scan(const Link& link);
 
 }  // namespace tetragauge
