@@ -18,6 +18,7 @@ using std::chrono::steady_clock;
 constexpr milliseconds kWriteTimeout{2000};
 // A broken frame may have been the reply: asked again soon, but not once for each byte of a wrong device.
 constexpr milliseconds kRetryAfterNoise{20};
+constexpr size_t kMostLogs = 50;
 
 // The machine answers a request whose id it has just seen with what it said then, and an earlier session may
 // have ended a moment ago: ids start where the clock stands.
@@ -112,9 +113,20 @@ Status Link::take_event(const tg_MachineMessage& message) {
     case tg_MachineMessage_fault_tag:
       fault_ = message.body.fault;
       return Done{};
+    case tg_MachineMessage_log_tag:
+      if (logs_.size() == kMostLogs) logs_.pop_front();
+      logs_.push_back(message.body.log);
+      return Done{};
     default:
       return Done{};
   }
+}
+
+std::optional<tg_Log> Link::next_log() {
+  if (logs_.empty()) return std::nullopt;
+  const tg_Log oldest = logs_.front();
+  logs_.pop_front();
+  return oldest;
 }
 
 Status Link::take(const ReceivedMessage& received) {

@@ -61,6 +61,9 @@ class Link {
   const std::optional<tg_Heartbeat>& heartbeat() const { return heartbeat_; }
   const std::optional<tg_Fault>& fault() const { return fault_; }
   void forget_fault() { fault_.reset(); }
+  // The oldest line the machine has logged that was not taken yet. A few dozen wait, newer ones push them
+  // out.
+  std::optional<tg_Log> next_log();
   // Broken frames that were dropped.
   uint32_t bad_frames() const { return reader_.bad_frames(); }
   // Time since anything good was heard.
@@ -85,6 +88,7 @@ class Link {
   std::deque<StreamItem> stream_;
   std::optional<tg_Heartbeat> heartbeat_;
   std::optional<tg_Fault> fault_;
+  std::deque<tg_Log> logs_;
   std::chrono::steady_clock::time_point heard_;
 };
 

@@ -14,7 +14,9 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "protocol/schema_hash.hpp"
 
@@ -203,6 +205,40 @@ TEST(Link, AnswersHeartbeatsWhileWaiting) {
   ASSERT_TRUE(link);
   for (int i = 0; i < 20 && answered != 77; ++i) ASSERT_TRUE((*link)->wait_for_frame(milliseconds(20)));
   EXPECT_EQ(answered, 77u);
+}
+
+TEST(Link, KeepsWhatTheMachineLogsInOrderAndTheNewest) {
+  constexpr int kLines = 80;
+  FakeMachine machine([](FakeMachine& m, FrameHeader header, const tg_HostMessage& message) {
+    if (message.which_body == tg_HostMessage_hello_tag) {
+      m.send({Channel::kReply, header.id}, greeting());
+      return true;
+    }
+    for (uint32_t i = 0; i < kLines; ++i) {
+      tg_MachineMessage line = tg_MachineMessage_init_zero;
+      line.which_body = tg_MachineMessage_log_tag;
+      line.body.log.level = tg_LogLevel_LOG_WARNING;
+      std::strcpy(line.body.log.text, std::to_string(i).c_str());
+      m.send({Channel::kEvent, i + 1}, line);
+    }
+    tg_MachineMessage status = tg_MachineMessage_init_zero;
+    status.which_body = tg_MachineMessage_status_tag;
+    m.send({Channel::kReply, header.id}, status);
+    return true;
+  });
+  const auto link = connect_to(machine);
+  ASSERT_TRUE(link) << link.error().message;
+  EXPECT_FALSE((*link)->next_log());
+  ASSERT_TRUE((*link)->status());
+  std::vector<int> lines;
+  while (const auto line = (*link)->next_log()) {
+    EXPECT_EQ(line->level, tg_LogLevel_LOG_WARNING);
+    lines.push_back(std::stoi(line->text));
+  }
+  ASSERT_GE(lines.size(), 10u);
+  EXPECT_LT(lines.size(), size_t{kLines}) << "bounded";
+  for (size_t i = 0; i < lines.size(); ++i)
+    EXPECT_EQ(lines[i], kLines - static_cast<int>(lines.size()) + static_cast<int>(i));
 }
 
 TEST(Link, UnpluggedIsAnErrorAtOnce) {

@@ -2,6 +2,7 @@
 #include "host/session/prepare_machine.hpp"
 
 #include "host/link/explain.hpp"
+#include "host/session/show_machine_log.hpp"
 
 namespace tetragauge {
 namespace {
@@ -42,6 +43,7 @@ Status wait_until_homed(Link& link, const ScanOptions& options) {
     }
     if (link.fault()) return link.fault_error(link.fault()->code, link.fault()->detail);
     const auto status = link.status();
+    show_machine_log(link, options);
     if (!status) return status.error();
     if (status->state == tg_State_STATE_FAULT || status->state == tg_State_STATE_ESTOP) {
       return link.fault_error(status->fault, "");
@@ -65,6 +67,7 @@ Status command(Link& link, pb_size_t which) {
 
 Status prepare_machine(Link& link, const ScanOptions& options) {
   auto status = link.status();
+  show_machine_log(link, options);
   if (!status) return status.error();
   if (status->state == tg_State_STATE_SCANNING || status->state == tg_State_STATE_PAUSED) {
     say(options, "the machine still has a scan of an earlier session: aborted");

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "host/session/prepare_machine.hpp"
+#include "host/session/show_machine_log.hpp"
 
 namespace tetragauge {
 namespace {
@@ -131,6 +132,7 @@ Result<StreamEnd> receive_stream(Link& link, uint32_t plan_id, StreamSum sum, co
     }
     if (stopping_since && steady_clock::now() - *stopping_since >= link.silence()) return stopped(link);
     if (const Status good = look_after(link); !good) return good.error();
+    show_machine_log(link, options);
     const auto item = link.next_stream_item(quiet_of(link.machine()));
     if (!item) return item.error();
     if (!*item) {

@@ -133,9 +133,12 @@ TEST(Session, SilentHostPausesTheMachineAndBreaksNothing) {
   auto session = start_session({.part = part});
   ASSERT_TRUE(session) << session.error().message;
   bool slept = false;
-  bool paused = false;
+  bool paused = false, machine_said_so = false;
   ScanOptions options;
-  options.log = [&](const std::string& line) { paused = paused || line.find("paused") != std::string::npos; };
+  options.log = [&](const std::string& line) {
+    paused = paused || line.find("the machine had paused") != std::string::npos;
+    machine_said_so = machine_said_so || line == "the machine warns: the host was silent: paused";
+  };
   options.on_progress = [&](const ScanProgress& progress) {
     if (slept || progress.view != 2) return;
     slept = true;
@@ -144,6 +147,7 @@ TEST(Session, SilentHostPausesTheMachineAndBreaksNothing) {
   const auto measured = run_scan(*session->link, plan_all_round(4, 16), options);
   ASSERT_TRUE(measured) << measured.error().message;
   EXPECT_TRUE(paused);
+  EXPECT_TRUE(machine_said_so);
   EXPECT_TRUE(scan_to_ply(measured->scan) == scan_bytes({.part = part}));
 }
 
