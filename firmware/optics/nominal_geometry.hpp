@@ -61,7 +61,9 @@ constexpr MachineGeometry<Scalar> nominal_geometry() {
     camera.half_size_mm = static_cast<Scalar>(10);  // 20 x 20 mm duolateral detector
     camera.dark_variance_codes2 = static_cast<Scalar>(2.33);
     camera.shot_variance_codes = static_cast<Scalar>(4e-5);
-    camera.position_sigma_mm = static_cast<Scalar>(0.0005);
+    // Speckle, which no averaging takes out: lambda f / (2 pi r) = 650 nm x 35 mm / (2 pi 8.75 mm), at any
+    // distance (docs/machine.md).
+    camera.position_sigma_mm = static_cast<Scalar>(0.000414);
   }
 
   machine.stage.axis_direction = {0, 0, 1};
