@@ -34,27 +34,48 @@ class MeshCutter {
   FaceExtents run() {
     FaceExtents result;
     result.faces.resize(fits_.size());
+    find_edges();
     for (uint32_t t = 0; t < reconstruction_.surface.size(); ++t) cut(t, result);
     for (size_t f = 0; f < fits_.size(); ++f) {
       FaceExtent& extent = result.faces[f];
       extent.area_mm2 = std::max(0.0, area_[f]);
       extent.centroid_mm = fits_[f].centroid_mm;
-      if (area_[f] > 0) extent.centroid_mm += moment_[f] / area_[f];
+      if (area_[f] <= 0) continue;
+      extent.centroid_mm += moment_[f] / area_[f];
+      // Where no plane gives the edge, the pieces end half way to a vertex that is not on this plane.
+      extent.centroid_mm -= fits_[f].normal * (fits_[f].normal.dot(extent.centroid_mm) - fits_[f].d_mm);
     }
-    for (const auto& [pair, count] : shared_) {
-      if (count < 4) continue;  // an edge of the part has more than one triangle's span; a corner has not
-      const auto f = static_cast<size_t>(pair.first), g = static_cast<size_t>(pair.second);
-      if (!meeting_line(fits_[f], fits_[g])) continue;
-      result.faces[f].neighbours.insert(g);
-      result.faces[g].neighbours.insert(f);
-      ++result.strips;
+    for (size_t f = 0; f < fits_.size(); ++f) {
+      for (const auto& [g, line] : edges_[f]) result.faces[f].neighbours.insert(g);
+      result.strips += edges_[f].size();
     }
+    result.strips /= 2;
     result.volume_mm3 = volume_;
     return result;
   }
 
  private:
   bool is_face(int32_t label) const { return label >= 0 && label < static_cast<int32_t>(fits_.size()); }
+
+  // The faces that each face meets, and where.
+  void find_edges() {
+    std::map<std::pair<int32_t, int32_t>, size_t> shared;
+    for (const SurfaceTriangle& t : reconstruction_.surface) {
+      for (size_t i = 0; i < 3 && !t.unseen; ++i) {
+        const int32_t f = label_[t.vertex[i]], g = label_[t.vertex[(i + 1) % 3]];
+        if (f != g && is_face(f) && is_face(g)) ++shared[std::minmax(f, g)];
+      }
+    }
+    edges_.resize(fits_.size());
+    for (const auto& [pair, count] : shared) {
+      if (count < 4) continue;  // an edge of the part has more than one triangle's span; a corner has not
+      const auto f = static_cast<size_t>(pair.first), g = static_cast<size_t>(pair.second);
+      const auto line = meeting_line(fits_[f], fits_[g]);
+      if (!line) continue;
+      edges_[f].emplace_back(g, *line);
+      edges_[g].emplace_back(f, *line);
+    }
+  }
 
   void cut(uint32_t t, FaceExtents& result) {
     const auto& v = reconstruction_.surface[t].vertex;
@@ -63,18 +84,16 @@ class MeshCutter {
     double longest = 0;
     for (size_t i = 0; i < 3; ++i)
       longest = std::max(longest, (snapped_[v[(i + 1) % 3]] - snapped_[v[i]]).norm());
-    // Small facets in the depth of an edge are often in shadow; wide ones close what nobody has seen.
-    const bool counts = !unseen || longest < 4 * reconstruction_.vertex_spacing_mm;
+    const bool counts = !unseen || is_seen_anyway(v, l, longest);
     if (l[0] == l[1] && l[1] == l[2]) {
       if (is_face(l[0]) && !unseen) result.faces[static_cast<size_t>(l[0])].triangles.push_back(t);
-      add_piece(l[0], !unseen, {snapped_[v[0]], snapped_[v[1]], snapped_[v[2]]});
+      add_piece(l[0], counts, {snapped_[v[0]], snapped_[v[1]], snapped_[v[2]]});
       return;
     }
     Vec3 between[3];  // on the edge from vertex i to the next
     for (size_t i = 0; i < 3; ++i) {
       const size_t j = (i + 1) % 3;
       between[i] = edge_point(v[i], v[j]);
-      if (!unseen && is_face(l[i]) && is_face(l[j]) && l[i] != l[j]) ++shared_[std::minmax(l[i], l[j])];
     }
     for (size_t i = 0; i < 3; ++i) {
       const size_t j = (i + 1) % 3, k = (i + 2) % 3;
@@ -101,6 +120,38 @@ class MeshCutter {
     if (!line) return middle;
     const Vec3 foot = line->foot(middle);
     return (foot - middle).norm() < reach((snapped_[a] - snapped_[b]).norm()) ? foot : middle;
+  }
+
+  // Whether a triangle that no ray has touched by its own normal is surface that was seen all the same.
+  // Between points of one face, or all along an edge, it is a sliver turned by their noise; at an edge it is
+  // the last stretch up to it. What is wider closes what nobody has seen.
+  bool is_seen_anyway(const std::array<uint32_t, 3>& v, const int32_t l[3], double longest_mm) const {
+    if (l[0] == l[1] && l[1] == l[2]) return true;
+    const double spacing = reconstruction_.vertex_spacing_mm;
+    const auto &a = snapped_[v[0]], &b = snapped_[v[1]], &c = snapped_[v[2]];
+    if ((b - a).cross(c - a).norm() < spacing * longest_mm) return true;
+    const auto near = [&](uint32_t at, const MeetingLine& line, double reach_mm) {
+      return (snapped_[at] - line.foot(snapped_[at])).norm() < reach_mm;
+    };
+    for (const int32_t f : {l[0], l[1], l[2]}) {
+      if (!is_face(f)) continue;
+      for (const auto& [g, line] : edges_[static_cast<size_t>(f)]) {
+        if (near(v[0], line, 2 * spacing) && near(v[1], line, 2 * spacing) && near(v[2], line, 2 * spacing))
+          return true;
+      }
+    }
+    for (size_t i = 0; i < 3; ++i) {
+      const size_t j = (i + 1) % 3;
+      if (l[i] == l[j]) continue;
+      if (!is_face(l[i]) || !is_face(l[j])) return false;
+      const PlaneFit &f = fits_[static_cast<size_t>(l[i])], &g = fits_[static_cast<size_t>(l[j])];
+      const auto line = meeting_line(f, g);
+      // Shadows lie in the depth of concave edges; at a convex one two faces that were seen fall away.
+      const bool is_convex = f.normal.dot(snapped_[v[j]]) < f.d_mm;
+      const double reach = (is_convex ? 8 : 2) * spacing;
+      if (!line || !near(v[i], *line, reach) || !near(v[j], *line, reach)) return false;
+    }
+    return true;
   }
 
   std::optional<Vec3> corner_near(const Vec3& middle, const int32_t l[3], double longest_mm) const {
@@ -143,10 +194,28 @@ class MeshCutter {
   std::vector<int32_t> label_;
   std::vector<Vec3> snapped_;  // vertices on their faces' planes
   std::vector<double> area_;
-  std::vector<Vec3> moment_;  // about the fits' centroids
-  std::map<std::pair<int32_t, int32_t>, size_t> shared_;
+  std::vector<Vec3> moment_;                                        // about the fits' centroids
+  std::vector<std::vector<std::pair<size_t, MeetingLine>>> edges_;  // per face: another, and where they meet
   double volume_ = 0;
 };
+
+// What its loops enclose, where that agrees with the mesh to a twentieth of a spacing all round: a loop round
+// a deep shadow may have lost a corner.
+double agreed_area_mm2(const std::vector<BoundaryLoop>& loops, const Vec3& normal, double mesh_area_mm2,
+                       double spacing_mm) {
+  Vec3 enclosed = Vec3::Zero();
+  double perimeter = 0;
+  for (const BoundaryLoop& loop : loops) {
+    for (size_t i = 0; i < loop.size(); ++i) {
+      const Vec3 from = loop[i].from_mm - loop[0].from_mm,
+                 to = loop[(i + 1) % loop.size()].from_mm - loop[0].from_mm;
+      enclosed += 0.5 * from.cross(to);
+      perimeter += (to - from).norm();
+    }
+  }
+  const double area = enclosed.dot(normal);
+  return std::abs(area - mesh_area_mm2) < 0.05 * spacing_mm * perimeter ? area : mesh_area_mm2;
+}
 
 }  // namespace
 
@@ -154,7 +223,12 @@ FaceExtents face_extents(const Reconstruction& reconstruction, const SurfaceGrap
                          const FittedFaces& fitted) {
   FaceExtents extents = MeshCutter(reconstruction, graph, fitted).run();
   std::vector<std::vector<BoundaryLoop>> loops = trace_boundaries(reconstruction, graph, fitted);
-  for (size_t f = 0; f < loops.size(); ++f) extents.faces[f].loops = std::move(loops[f]);
+  for (size_t f = 0; f < loops.size(); ++f) {
+    FaceExtent& extent = extents.faces[f];
+    extent.area_mm2 =
+        agreed_area_mm2(loops[f], fitted.fits[f].normal, extent.area_mm2, reconstruction.vertex_spacing_mm);
+    extent.loops = std::move(loops[f]);
+  }
   return extents;
 }
 

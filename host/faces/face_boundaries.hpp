@@ -11,7 +11,6 @@ namespace tetragauge {
 
 struct FaceExtent {
   double area_mm2 = 0;              // of what was seen, up to the edges where planes meet
-  double shadow_mm2 = 0;            // more of it, that no ray has touched
   Vec3 centroid_mm = Vec3::Zero();  // on the plane
   std::set<size_t> neighbours;
   std::vector<uint32_t> triangles;  // wholly on the face, ascending

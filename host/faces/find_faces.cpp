@@ -14,6 +14,7 @@
 #include "host/faces/split_creased.hpp"
 #include "host/faces/surface_graph.hpp"
 #include "host/faces/unite_patches.hpp"
+#include "host/reconstruct/average_points.hpp"
 
 namespace tetragauge {
 namespace {
@@ -105,16 +106,23 @@ Result<Regions> cluster(const Reconstruction& reconstruction, const FindFacesOpt
   return regions_of_clusters(reconstruction, elements, clusters);
 }
 
-}  // namespace
+Scan reordered(const Scan& scan, const std::vector<uint32_t>& order) {
+  Scan result;
+  result.header = scan.header;
+  for (const uint32_t i : order) {
+    result.points.push_back(scan.points[i]);
+    result.ray_origins.push_back(scan.ray_origins[i]);
+    result.sigma_mm.push_back(scan.sigma_mm[i]);
+    result.intensity.push_back(scan.intensity[i]);
+    result.view.push_back(scan.view[i]);
+    result.flags.push_back(scan.flags[i]);
+  }
+  return result;
+}
 
-Result<MeasuredFaces> find_faces(const Scan& scan, const Reconstruction& reconstruction,
-                                 const FindFacesOptions& options) {
-  if (options.min_points < 3)
-    return usage_error("faces: a plane needs at least 3 points; min_points is " +
-                       std::to_string(options.min_points));
-  if (reconstruction.point_vertex.size() != scan.size())
-    return internal_error("faces: the reconstruction belongs to another scan");
-
+// Of a scan whose points are in canonical order, so that sums over them have the same last bit.
+Result<MeasuredFaces> find_in_order(const Scan& scan, const Reconstruction& reconstruction,
+                                    const FindFacesOptions& options) {
   const SurfaceGraph graph = surface_graph(reconstruction);
   // Averaged vertices are fewer than points: a region of few vertices may still hold enough points.
   constexpr size_t kMinVertices = 6;
@@ -155,6 +163,28 @@ Result<MeasuredFaces> find_faces(const Scan& scan, const Reconstruction& reconst
   result.coplanar_clusters = clustered.coplanar_clusters;
   result.dendrogram = std::move(clustered.dendrogram);
   return result;
+}
+
+}  // namespace
+
+Result<MeasuredFaces> find_faces(const Scan& scan, const Reconstruction& reconstruction,
+                                 const FindFacesOptions& options) {
+  if (options.min_points < 3)
+    return usage_error("faces: a plane needs at least 3 points; min_points is " +
+                       std::to_string(options.min_points));
+  if (reconstruction.point_vertex.size() != scan.size())
+    return internal_error("faces: the reconstruction belongs to another scan");
+  const std::vector<uint32_t> order = canonical_order(scan);
+  if (std::is_sorted(order.begin(), order.end())) return find_in_order(scan, reconstruction, options);
+  Reconstruction sorted = reconstruction;
+  for (size_t k = 0; k < order.size(); ++k) sorted.point_vertex[k] = reconstruction.point_vertex[order[k]];
+  Result<MeasuredFaces> found = find_in_order(reordered(scan, order), sorted, options);
+  if (!found) return found;
+  for (std::vector<uint32_t>& points : found->face_points) {
+    for (uint32_t& point : points) point = order[point];
+    std::sort(points.begin(), points.end());
+  }
+  return found;
 }
 
 }  // namespace tetragauge
