@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "host/base/excerpt.hpp"
 #include "host/base/nearest_name.hpp"
 #include "host/geometry/parse_number.hpp"
 #include "sim/faults.hpp"
@@ -37,7 +38,7 @@ std::optional<int64_t> time_ns(std::string_view text) {
 }
 
 Error wrong(std::string_view word, const std::string& what) {
-  return usage_error("--faults: " + std::string(word) + ": " + what);
+  return usage_error("--faults: " + excerpt(word) + ": " + what);
 }
 
 // ---- NAME@TIME[+DURATION][:VALUE]
@@ -167,8 +168,8 @@ Error unknown_word(std::string_view word, std::string_view name) {
   std::vector<std::string_view> known{"seed"};
   for (const auto& entry : timed_words()) known.push_back(entry.first);
   for (const auto& entry : rate_words()) known.push_back(entry.first);
-  return wrong(word, "unknown fault \"" + std::string(name) + "\"; did you mean \"" +
-                         nearest_name(name, known) + "\"?");
+  return wrong(
+      word, "unknown fault \"" + excerpt(name) + "\"; did you mean \"" + nearest_name(name, known) + "\"?");
 }
 
 Status apply_word(std::string_view word, Faults& faults) {
@@ -211,7 +212,7 @@ Result<Faults> parse_faults(const std::string& spec) {
     more = comma != std::string_view::npos;
     const std::string_view word = rest.substr(0, comma);
     if (word.empty())
-      return usage_error("--faults " + spec +
+      return usage_error("--faults " + excerpt(spec) +
                          ": an empty word between commas; words are joined by one comma");
     if (const Status done = apply_word(word, faults); !done) return done.error();
     if (more) rest.remove_prefix(comma + 1);

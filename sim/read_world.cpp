@@ -9,7 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include "host/base/excerpt.hpp"
 #include "host/base/nearest_name.hpp"
+#include "host/base/parse_json.hpp"
 #include "host/base/whole_file.hpp"
 
 namespace tetragauge::sim {
@@ -163,8 +165,8 @@ Error unknown_key(const std::string& place, const std::string& key,
                   const std::map<std::string, Value, std::less<>>& known) {
   std::vector<std::string_view> names;
   for (const auto& entry : known) names.push_back(entry.first);
-  return bad_input(place + ": unknown key \"" + key + "\"; did you mean \"" + nearest_name(key, names) +
-                   "\"?");
+  return bad_input(place + ": unknown key \"" + excerpt(key) + "\"; did you mean \"" +
+                   nearest_name(key, names) + "\"?");
 }
 
 Status apply(const std::string& place, const Key& key, const json& value, WorldSetup& setup) {
@@ -195,8 +197,10 @@ Status apply(const std::string& place, const Key& key, const json& value, WorldS
 Result<WorldSetup> read_world(const std::filesystem::path& path, WorldSetup setup) {
   const auto text = read_whole_file(path);
   if (!text) return text.error();
-  const json root = json::parse(*text, nullptr, /*allow_exceptions=*/false);
-  if (root.is_discarded() || !root.is_object()) {
+  const Result<json> parsed = parse_json(*text, path.string());
+  if (!parsed) return parsed.error();
+  const json& root = *parsed;
+  if (!root.is_object()) {
     return bad_input(
         path.string() +
         ": not a JSON object; a world file looks like {\"camera_1\": {\"shift_mm\": [0.05, 0, 0]}}");

@@ -3,9 +3,12 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <string>
 
+#include "host/base/excerpt.hpp"
+#include "host/base/parse_json.hpp"
 #include "host/base/whole_file.hpp"
 #include "host/geometry/parse_number.hpp"
 
@@ -13,6 +16,16 @@ namespace tetragauge {
 namespace {
 
 using nlohmann::ordered_json;
+
+constexpr const char* kNoLength = "is zero or beyond all numbers; give its direction with a length of 1";
+constexpr const char* kTooLarge = "the plane or the area is beyond 1e15 mm; check the numbers and the unit";
+
+bool is_length(double norm) {
+  return norm >= 1e-9 && norm <= 1e15;
+}
+bool is_size(double value) {
+  return std::abs(value) <= 1e15;
+}
 
 Result<FaceList> parse_hsp(std::string_view text, const std::string& name, double unit_scale_mm) {
   FaceList list;
@@ -25,30 +38,33 @@ Result<FaceList> parse_hsp(std::string_view text, const std::string& name, doubl
     if (word.empty()) continue;
     const auto id = parse_number<int>(word);
     if (!id || *id < 1)
-      return bad_input(place + "'" + std::string(word) + "' is not a face id (an integer from 1)");
+      return bad_input(place + "'" + excerpt(word) +
+                       "' is not a face id (an integer from 1); expected: id a b c d area");
     if (!ids.insert(*id).second)
-      return bad_input(place + "face " + std::to_string(*id) + " stands here twice");
+      return bad_input(place + "face " + std::to_string(*id) +
+                       " stands here for the second time; number each face once");
     std::array<double, 5> v{};  // a b c d area
     for (double& value : v) {
       word = next_word(line);
       const auto number_read = parse_number<double>(word);
       if (!number_read) {
-        return bad_input(
-            place + (word.empty() ? "the line ends early" : "'" + std::string(word) + "' is not a number") +
-            "; expected: id a b c d area");
+        return bad_input(place +
+                         (word.empty() ? "the line ends early" : "'" + excerpt(word) + "' is not a number") +
+                         "; expected: id a b c d area");
       }
       value = *number_read;
     }
     if (!next_word(line).empty()) return bad_input(place + "more than six values; expected: id a b c d area");
     const Vec3 abc(v[0], v[1], v[2]);
-    if (abc.norm() < 1e-9) return bad_input(place + "the normal (a b c) is zero");
-    if (v[4] < 0) return bad_input(place + "the area is negative");
+    if (!is_length(abc.norm())) return bad_input(place + "the normal (a b c) " + kNoLength);
+    if (v[4] < 0) return bad_input(place + "the area is negative; expected: id a b c d area");
     Face face;
     face.id = face.surface = *id;
     face.normal = abc.normalized();
     face.d_mm = -v[3] / abc.norm() * unit_scale_mm;  // a x + b y + c z + d = 0
     face.area_mm2 = v[4] * unit_scale_mm * unit_scale_mm;
     face.point_mm = face.normal * face.d_mm;  // a list tells no centroid: the foot of the origin
+    if (!is_size(face.d_mm) || !is_size(face.area_mm2)) return bad_input(place + kTooLarge);
     list.faces.push_back(face);
   }
   if (list.faces.empty()) return bad_input(name + ": no face in it; expected lines: id a b c d area");
@@ -57,34 +73,64 @@ Result<FaceList> parse_hsp(std::string_view text, const std::string& name, doubl
 
 Vec3 vec_from_json(const nlohmann::json& value) {
   if (!value.is_array() || value.size() != 3) throw std::runtime_error("expected three numbers");
+  for (const nlohmann::json& number : value) {
+    if (!number.is_number()) throw std::runtime_error("expected three numbers");
+  }
   return {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()};
+}
+
+// A library's conversion would make another number of one beyond int, or of a fraction.
+int whole_number(const nlohmann::json& value, const std::string& key, int lowest) {
+  if (!value.is_number_integer() || value < lowest || value > std::numeric_limits<int>::max())
+    throw std::runtime_error(key + " is not a whole number from " + std::to_string(lowest));
+  return value.get<int>();
+}
+
+double size_of(const nlohmann::json& value, const std::string& key) {
+  if (!value.is_number() || !is_size(value.get<double>()))
+    throw std::runtime_error(key + " is not a number below 1e15");
+  return value.get<double>();
+}
+
+double size_or_zero(const nlohmann::json& face, const std::string& key) {
+  return face.contains(key) ? size_of(face[key], key) : 0.0;
+}
+
+Vec3 unit_vec_from_json(const nlohmann::json& value, const std::string& key) {
+  const Vec3 v = vec_from_json(value);
+  if (!is_length(v.norm())) throw std::runtime_error("the " + key + " " + kNoLength);
+  return v.normalized();
 }
 
 Face face_from_json(const nlohmann::json& value) {
   Face face;
-  face.id = value.at("id").get<int>();
-  face.surface = value.value("surface", face.id);
+  face.id = whole_number(value.at("id"), "id", 1);
+  face.surface = value.contains("surface") ? whole_number(value["surface"], "surface", 0) : face.id;
   const std::string type_name = value.at("type").get<std::string>();
   const auto type = surface_type_from_name(type_name);
-  if (!type) throw std::runtime_error("unknown surface type '" + type_name + "'");
+  if (!type) throw std::runtime_error("unknown surface type '" + excerpt(type_name) + "'");
   face.type = *type;
   if (face.type == SurfaceType::plane) {
-    const Vec3 normal = vec_from_json(value.at("normal"));
-    if (normal.norm() < 1e-9) throw std::runtime_error("the normal is zero");
-    face.normal = normal.normalized();
-    face.d_mm = value.at("d_mm").get<double>() / normal.norm();
+    face.normal = unit_vec_from_json(value.at("normal"), "normal");
+    face.d_mm = size_of(value.at("d_mm"), "d_mm") / vec_from_json(value["normal"]).norm();
+    if (!is_size(face.d_mm)) throw std::runtime_error(kTooLarge);
   }
-  if (value.contains("axis")) face.axis = vec_from_json(value["axis"]);
+  if (value.contains("axis")) face.axis = unit_vec_from_json(value["axis"], "axis");
   if (value.contains("point_on_axis_mm")) face.point_on_axis_mm = vec_from_json(value["point_on_axis_mm"]);
-  face.radius_mm = value.value("radius_mm", 0.0);
-  face.minor_radius_mm = value.value("minor_radius_mm", 0.0);
-  face.half_angle_rad = value.value("half_angle_rad", 0.0);
+  face.radius_mm = size_or_zero(value, "radius_mm");
+  face.minor_radius_mm = size_or_zero(value, "minor_radius_mm");
+  face.half_angle_rad = size_or_zero(value, "half_angle_rad");
   face.concave = value.value("concave", false);
   face.point_mm =
       value.contains("point_mm") ? vec_from_json(value["point_mm"]) : Vec3(face.normal * face.d_mm);
-  face.area_mm2 = value.value("area_mm2", 0.0);
-  face.neighbours = value.value("neighbours", std::vector<int>{});
-  face.points = value.value("points", size_t{0});
+  face.area_mm2 = size_or_zero(value, "area_mm2");
+  if (face.area_mm2 < 0) throw std::runtime_error("area_mm2 is negative");
+  if (value.contains("neighbours")) {
+    if (!value["neighbours"].is_array()) throw std::runtime_error("neighbours: expected a list of ids");
+    for (const nlohmann::json& id : value["neighbours"])
+      face.neighbours.push_back(whole_number(id, "neighbours", 1));
+  }
+  if (value.contains("points")) face.points = static_cast<size_t>(whole_number(value["points"], "points", 0));
   if (value.contains("covariance")) {
     PlaneCovariance covariance;
     const nlohmann::json& rows = value["covariance"];
@@ -98,14 +144,20 @@ Face face_from_json(const nlohmann::json& value) {
   return face;
 }
 
-Result<FaceList> parse_json(const std::string& text, const std::string& name) {
+Result<FaceList> parse_faces_json(const std::string& text, const std::string& name) {
+  const Result<nlohmann::json> parsed = parse_json(text, name);
+  if (!parsed) return parsed.error();
+  const nlohmann::json& root = *parsed;
+  if (!root.is_object()) {
+    return bad_input(name +
+                     ": not a JSON object; expected what `tetragauge faces --json` writes, or a .hsp list");
+  }
   FaceList list;
   size_t index = 0;
   bool in_faces = false;
   try {
-    const nlohmann::json root = nlohmann::json::parse(text);
     const std::string unit = root.value("unit", std::string("mm"));
-    if (unit != "mm") return bad_input(name + ": unit '" + unit + "': face lists in JSON are in mm");
+    if (unit != "mm") return bad_input(name + ": unit '" + excerpt(unit) + "': face lists in JSON are in mm");
     std::set<int> ids;
     in_faces = true;
     for (const nlohmann::json& value : root.at("faces")) {
@@ -138,14 +190,14 @@ Result<double> unit_mm(std::string_view unit) {
   if (unit == "m") return 1000.0;
   if (unit == "um") return 1e-3;
   if (unit == "inch" || unit == "in") return 25.4;
-  return usage_error("unit '" + std::string(unit) + "' is not one of mm, cm, m, um, inch");
+  return usage_error("unit '" + excerpt(unit) + "' is not one of mm, cm, m, um, inch");
 }
 
 Result<FaceList> read_face_list(const std::filesystem::path& path, double unit_scale_mm) {
   Result<std::string> text = read_whole_file(path);
   if (!text) return text.error();
   if (path.extension() == ".hsp") return parse_hsp(*text, path.string(), unit_scale_mm);
-  return parse_json(*text, path.string());
+  return parse_faces_json(*text, path.string());
 }
 
 ordered_json face_to_json(const Face& face) {

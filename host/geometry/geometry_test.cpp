@@ -115,8 +115,10 @@ TEST_F(FaceListFile, hsp_is_scaled_and_signed) {
 }
 
 TEST_F(FaceListFile, broken_lists_name_file_and_line) {
-  for (const char* bad : {"1 0 0 0 5 5\n", "1 1 0 0 5\n", "1 1 0 0 5 5 5\n", "x 1 0 0 5 5\n",
-                          "1 1 0 0 nan 5\n", "1 1 0 0 5 -5\n", "# nothing\n", "1 1 0 0 5 5\n1 0 1 0 5 5\n"}) {
+  for (const char* bad :
+       {"1 0 0 0 5 5\n", "1 1 0 0 5\n", "1 1 0 0 5 5 5\n", "x 1 0 0 5 5\n", "1 1 0 0 nan 5\n",
+        "1 1e200 0 1e200 5 5\n", "1 1e-8 0 0 1e305 1\n", "1 1 0 0 0 1e300\n", "1 1 0 0 5 -5\n", "# nothing\n",
+        "1 1 0 0 5 5\n1 0 1 0 5 5\n"}) {
     const Result<FaceList> list = read_face_list(put("b.hsp", bad), 1.0);
     ASSERT_FALSE(list.ok()) << bad;
     EXPECT_EQ(list.error().kind, ErrorKind::bad_input);
@@ -144,6 +146,23 @@ TEST_F(FaceListFile, json_comes_back) {
   for (const char* bad : {"", "[]", "{}", "{\"faces\": []}", "{\"faces\": [{\"id\": 1, \"type\": \"blob\"}]}",
                           "{\"faces\": [{\"id\": 1, \"type\": \"plane\"}]}"}) {
     EXPECT_FALSE(read_face_list(put("d.json", bad)).ok()) << bad;
+  }
+  const auto plane = [&](const std::string& id, const std::string& normal, const std::string& rest) {
+    const auto read = read_face_list(put("e.json", "{\"faces\": [{\"id\": " + id +
+                                                       ", \"type\": \"plane\", \"normal\": " + normal +
+                                                       ", \"d_mm\": 1" + rest + "}]}"));
+    return read ? "" : read.error().message;
+  };
+  EXPECT_EQ(plane("1", "[0, 0, 2]", ", \"neighbours\": [2], \"points\": 3"), "");
+  // A conversion to int would make 1 of each of these ids.
+  for (const char* id : {"4294967297", "1.5", "\"1\"", "true"}) {
+    EXPECT_NE(plane(id, "[0, 0, 1]", "").find("faces[0]: id is not a whole number"), std::string::npos) << id;
+  }
+  for (const char* normal : {"[0, 0, 0]", "[1e200, 0, 1e200]", "[0, 1]", "[0, 0, true]"})
+    EXPECT_NE(plane("1", normal, ""), "") << normal;
+  for (const char* rest : {", \"area_mm2\": -1", ", \"area_mm2\": 1e300", ", \"axis\": [0, 0, 0]",
+                           ", \"neighbours\": [1e30]", ", \"points\": -1", ", \"d_mm\": 2"}) {
+    EXPECT_NE(plane("1", "[0, 0, 1]", rest), "") << rest;
   }
 }
 

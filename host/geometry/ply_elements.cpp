@@ -6,6 +6,7 @@
 #include <bit>
 #include <limits>
 
+#include "host/base/excerpt.hpp"
 #include "host/geometry/parse_number.hpp"
 
 namespace tetragauge {
@@ -125,7 +126,7 @@ Result<PlyHeader> read_ply_header(std::string_view& rest, const std::string& nam
       const std::string_view format = next_word(after_key);
       const auto known = format_from_name(format);
       if (!known) {
-        return bad_input(place + "format '" + std::string(format) +
+        return bad_input(place + "format '" + excerpt(format) +
                          "' is not read; save it as ascii or binary_little_endian");
       }
       header.format = *known;
@@ -147,13 +148,15 @@ Result<PlyHeader> read_ply_header(std::string_view& rest, const std::string& nam
         type = next_word(after_key);
       }
       const auto scalar = scalar_from_name(type);
-      if (!scalar) return bad_input(place + "unknown property type '" + std::string(type) + "'");
+      if (!scalar)
+        return bad_input(place + "unknown property type '" + excerpt(type) +
+                         "'; one of char, uchar, short, ushort, int, uint, float, double");
       property.type = *scalar;
       property.name = next_word(after_key);
       if (property.name.empty()) return bad_input(place + "the property has no name");
       header.elements.back().properties.push_back(std::move(property));
     } else if (!key.empty()) {
-      return bad_input(place + "unknown header line '" + std::string(key.substr(0, 40)) + "'");
+      return bad_input(place + "unknown header line '" + excerpt(key) + "'");
     }
   }
   return bad_input(name + ": the header does not end (no end_header); the file is truncated or not PLY");
@@ -166,9 +169,16 @@ Status check_ply_count(const PlyElement& element, const PlyBody& body, const std
   }
   const uint64_t rows_possible = row_bytes == 0 ? 0 : (body.bytes_left() + 1) / row_bytes;
   if (element.count <= rows_possible) return Done{};
-  return bad_input(name + ": " + std::to_string(element.count) + " of element '" + element.name +
+  return bad_input(name + ": " + std::to_string(element.count) + " of element '" + excerpt(element.name) +
                    "' announced, the file ends after at most " + std::to_string(rows_possible) +
                    "; it is truncated, copy or scan it again");
+}
+
+Status check_ply_end(const PlyBody& body, const std::string& name) {
+  if (body.is_at_end()) return Done{};
+  return bad_input(name + ": " + std::to_string(body.bytes_left()) +
+                   " bytes follow after all that the header announces; its counts or types are wrong, " +
+                   "export it again");
 }
 
 }  // namespace tetragauge

@@ -49,6 +49,8 @@ class PlyBody {
   // The next number; NaN and infinity come as NaN. False where the file ends or has none.
   bool next(PlyScalar type, double& value);
   size_t bytes_left() const { return bytes_.size(); }
+  // Whether nothing but blanks and line ends is left.
+  bool is_at_end() const { return bytes_.find_first_not_of(" \t\r\n") == std::string_view::npos; }
   PlyFormat format() const { return format_; }
 
  private:
@@ -58,5 +60,8 @@ class PlyBody {
 
 // An error if the rest of the file cannot hold what the header announces: no memory is asked for it then.
 Status check_ply_count(const PlyElement& element, const PlyBody& body, const std::string& name);
+
+// After the last element: an error if more follows than the header announces.
+Status check_ply_end(const PlyBody& body, const std::string& name);
 
 }  // namespace tetragauge

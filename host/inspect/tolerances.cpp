@@ -5,12 +5,15 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <span>
 #include <string>
 
+#include "host/base/excerpt.hpp"
 #include "host/base/nearest_name.hpp"
+#include "host/base/parse_json.hpp"
 #include "host/base/whole_file.hpp"
 #include "host/inspect/decide.hpp"
 
@@ -30,23 +33,9 @@ class Reader {
   Reader(std::string name, const FaceList& model) : name_(std::move(name)), model_(model) {}
 
   Result<Tolerances> read(const std::string& text) {
-    json root;
-    // Of two equal keys the parser would silently keep the last: a limit that nobody sees.
-    std::vector<std::set<std::string>> open_objects;
-    std::string twice;
-    const auto watch_keys = [&](int, json::parse_event_t event, json& value) {
-      if (event == json::parse_event_t::object_start) open_objects.emplace_back();
-      if (event == json::parse_event_t::object_end) open_objects.pop_back();
-      if (event == json::parse_event_t::key && !open_objects.back().insert(value.get<std::string>()).second)
-        twice = value.get<std::string>();
-      return true;
-    };
-    try {
-      root = json::parse(text, watch_keys);
-    } catch (const json::exception& error) {  // not JSON, or a number that no double can hold
-      return bad_input(name_ + ": not readable as JSON: " + error.what());
-    }
-    if (!twice.empty()) return wrong("", "has the key \"" + twice + "\" twice; keep one");
+    const Result<json> parsed = parse_json(text, name_);
+    if (!parsed) return parsed.error();
+    const json& root = *parsed;
     Tolerances out;
     out.given = true;
     if (!root.is_object()) return wrong("", "must be an object, e.g. {\"default\": {\"profile_mm\": 0.1}}");
@@ -69,7 +58,7 @@ class Reader {
 
   Error unknown(const std::string& place, std::string_view key,
                 std::span<const std::string_view> known) const {
-    return bad_input(name_ + ": " + (place.empty() ? "" : place + ".") + std::string(key) +
+    return bad_input(name_ + ": " + (place.empty() ? "" : place + ".") + excerpt(key) +
                      " is no known key; did you mean " + nearest_name(key, known) + "?");
   }
 
@@ -98,7 +87,7 @@ class Reader {
       if (std::find(kToleranceKeys.begin(), kToleranceKeys.end(), key) == kToleranceKeys.end())
         return unknown(place, key, kToleranceKeys);
       if (!number.is_number() || !(number.get<double>() > 0) || !std::isfinite(number.get<double>()))
-        return wrong(place + "." + key, "= " + number.dump() + " must be a number above 0 (mm)");
+        return wrong(place + "." + key, "= " + excerpt(number.dump()) + " must be a number above 0 (mm)");
       const double mm = number.get<double>();
       (key == "profile_mm" ? out.profile_mm : key == "offset_mm" ? out.offset_mm : out.flatness_mm) = mm;
     }
@@ -130,7 +119,7 @@ class Reader {
       int id = 0;
       const auto [end, code] = std::from_chars(key.data(), key.data() + key.size(), id);
       if (code != std::errc{} || end != key.data() + key.size())
-        return wrong(what + "." + key, "is no " + what + " id; ids are whole numbers from 1");
+        return wrong(what + "." + excerpt(key), "is no " + what + " id; ids are whole numbers from 1");
       if (Status status = check_id(what, what + "." + key, id, id_of); !status) return status;
       if (Status status = read_tolerance(what + "." + key, tolerance, out[id]); !status) return status;
     }
@@ -141,7 +130,9 @@ class Reader {
     if (!value.is_array()) return wrong("skip", "must be a list of face ids, e.g. [7]");
     for (size_t k = 0; k < value.size(); ++k) {
       const std::string place = "skip[" + std::to_string(k) + "]";
-      if (!value[k].is_number_integer()) return wrong(place, "= " + value[k].dump() + " must be a face id");
+      // One beyond int would come as another face.
+      if (!value[k].is_number_integer() || value[k] < 1 || value[k] > std::numeric_limits<int>::max())
+        return wrong(place, "= " + excerpt(value[k].dump()) + " must be a face id");
       const int id = value[k].get<int>();
       if (Status status = check_id("face", place, id, [](const Face& face) { return face.id; }); !status)
         return status;

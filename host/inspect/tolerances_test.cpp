@@ -89,6 +89,10 @@ TEST(Tolerances, WrongValuesAreErrors) {
   expect_error(R"({"default": 3})", {"default"});
   expect_error(R"({"skip": 3})", {"skip"});
   expect_error(R"({"skip": [1.5]})", {"skip[0]"});
+  // As an int it would be face 1.
+  expect_error(R"({"default": {"profile_mm": 1}, "skip": [4294967297]})", {"skip[0]", "4294967297"});
+  const std::string deep = std::string(1'000'000, '[') + std::string(1'000'000, ']');
+  expect_error("{\"default\": {\"profile_mm\": " + deep + "}}", {"nested"});
   expect_error(R"({"min_coverage": 2})", {"min_coverage"});
   const Result<Tolerances> missing = read_tolerances("/nonexistent/tolerances.json", model());
   ASSERT_FALSE(missing.ok());

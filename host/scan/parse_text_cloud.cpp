@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/base/excerpt.hpp"
 #include "host/geometry/parse_number.hpp"
 #include "host/scan/point_table.hpp"
 
 namespace tetragauge {
 namespace {
 
-// Reads the rest of `text` as rows of `names.size()` numbers.
-Status read_rows(std::string_view text, int line_number, const std::vector<std::string>& names,
-                 bool skip_not_finite, const std::string& file, PointTable& table) {
+// Reads the rest of `text` as rows of `names.size()` numbers; returns how many, those not finite included.
+Result<size_t> read_rows(std::string_view text, int line_number, const std::vector<std::string>& names,
+                         bool skip_not_finite, const std::string& file, PointTable& table) {
   std::vector<std::vector<double>*> columns;
-  for (const std::string& name : names) columns.push_back(&table.columns[name]);
+  for (const std::string& name : names) {
+    const auto [column, is_new] = table.columns.try_emplace(name);
+    if (!is_new) return bad_input(file + ": column '" + excerpt(name) + "' stands there twice; rename one");
+    columns.push_back(&column->second);
+  }
+  size_t rows = 0;
   std::vector<double> row(names.size());
   for (; !text.empty(); ++line_number) {
     std::string_view line = next_line(text);
@@ -17,6 +23,7 @@ Status read_rows(std::string_view text, int line_number, const std::vector<std::
     std::string_view word = next_word(line);
     if (word.empty() || word.front() == '#') continue;
     bool whole_row = true;
+    ++rows;
     for (size_t k = 0; k < row.size(); ++k, word = next_word(line)) {
       const auto value = parse_number<double>(word);
       if (!value && skip_not_finite && (word == "nan" || word == "-nan")) {
@@ -24,19 +31,22 @@ Status read_rows(std::string_view text, int line_number, const std::vector<std::
         continue;
       }
       if (!value) {
-        return bad_input(place + (word.empty() ? "the line ends after " + std::to_string(k) + " of " +
-                                                     std::to_string(row.size()) + " numbers"
-                                               : "'" + std::string(word) + "' is not a finite number"));
+        return bad_input(place +
+                         (word.empty() ? "the line ends after " + std::to_string(k) + " of " +
+                                             std::to_string(row.size()) + " numbers"
+                                       : "'" + excerpt(word) + "' is not a finite number") +
+                         "; repair or remove the line");
       }
       row[k] = *value;
     }
     if (!word.empty())
-      return bad_input(place + "more than " + std::to_string(row.size()) + " numbers in the line");
+      return bad_input(place + "more than " + std::to_string(row.size()) +
+                       " numbers in the line; repair or remove it");
     if (!whole_row) continue;
     for (size_t k = 0; k < row.size(); ++k) columns[k]->push_back(row[k]);
     ++table.rows;
   }
-  return Done{};
+  return rows;
 }
 
 }  // namespace
@@ -70,7 +80,8 @@ Result<PointTable> parse_xyz(std::string_view content, const std::string& name) 
       for (size_t k = 3; k < count; ++k) names.push_back("column" + std::to_string(k + 1));
     }
   }
-  if (Status status = read_rows(rest, line_number, names, false, name, table); !status) return status.error();
+  const Result<size_t> rows = read_rows(rest, line_number, names, false, name, table);
+  if (!rows) return rows.error();
   return table;
 }
 
@@ -104,18 +115,17 @@ Result<PointTable> parse_pcd(std::string_view content, const std::string& name) 
       if (next_word(line) != "ascii")
         return bad_input(place + "only DATA ascii is read; convert it, or save it as PLY");
       if (names.empty()) return bad_input(place + "DATA comes before FIELDS");
-      const size_t lines = static_cast<size_t>(std::count(content.begin(), content.end(), '\n')) +
-                           (!content.empty() && content.back() != '\n' ? 1 : 0);
-      if (points_given && lines < points) {
+      const Result<size_t> rows = read_rows(content, line_number + 1, names, true, name, table);
+      if (!rows) return rows.error();
+      if (points_given && *rows != points) {
         return bad_input(name + ": " + std::to_string(points) + " points announced, " +
-                         std::to_string(lines) + " lines there; the file is truncated");
+                         std::to_string(*rows) + " there; the file is " +
+                         (*rows < points ? "truncated" : "damaged") + ", copy or export it again");
       }
-      if (Status status = read_rows(content, line_number + 1, names, true, name, table); !status)
-        return status.error();
       return table;
     }
   }
-  return bad_input(name + ": no DATA line; not a PCD file");
+  return bad_input(name + ": no DATA line; not a PCD file, or one cut short");
 }
 
 }  // namespace tetragauge

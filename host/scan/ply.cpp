@@ -4,6 +4,7 @@
 #include <bit>
 #include <limits>
 
+#include "host/base/excerpt.hpp"
 #include "host/geometry/face_list_file.hpp"
 #include "host/geometry/parse_number.hpp"
 #include "host/geometry/ply_elements.hpp"
@@ -91,16 +92,17 @@ Result<PointTable> parse_ply(std::string_view content, const std::string& name) 
       }
       auto [entry, is_new] = columns.try_emplace(property.name);
       if (!is_new)
-        return bad_input(name + ": property '" + property.name + "' of '" + element.name +
-                         "' stands there twice");
+        return bad_input(name + ": property '" + excerpt(property.name) + "' of '" + excerpt(element.name) +
+                         "' stands there twice; rename one");
       entry->second.reserve(element.count);
       order.push_back(&entry->second);
     }
     for (uint64_t row = 0; row < element.count; ++row) {
       const auto broken = [&] {
-        return bad_input(name + ": " + element.name + " " + std::to_string(row) + ": " +
+        return bad_input(name + ": " + excerpt(element.name) + " " + std::to_string(row) + ": " +
                          (body.bytes_left() == 0 ? "the file ends here; it is truncated"
-                                                 : "not a number, or the file ends within it"));
+                                                 : "not a number, or the file ends within it") +
+                         ", copy or scan it again");
       };
       for (size_t k = 0; k < order.size(); ++k) {
         const PlyProperty& property = element.properties[k];
@@ -117,6 +119,7 @@ Result<PointTable> parse_ply(std::string_view content, const std::string& name) 
       }
     }
     if (element.name == "vertex") {
+      if (vertices_seen) return bad_input(name + ": element 'vertex' stands there twice; export it again");
       vertices_seen = true;
       table.rows = element.count;
       table.columns = std::move(columns);
@@ -126,6 +129,7 @@ Result<PointTable> parse_ply(std::string_view content, const std::string& name) 
       table.rejected = std::move(*beams);
     }
   }
+  if (Status status = check_ply_end(body, name); !status) return status.error();
   if (!vertices_seen) return bad_input(name + ": no element 'vertex'; there are no points in it");
   return table;
 }

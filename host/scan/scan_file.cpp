@@ -2,9 +2,12 @@
 #include "host/scan/scan_file.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 
+#include "host/base/excerpt.hpp"
 #include "host/base/whole_file.hpp"
 #include "host/scan/point_table.hpp"
 
@@ -65,8 +68,10 @@ Result<Scan> scan_from_table(PointTable table, const ReadScanOptions& options, c
   if (scan.ray_origins.empty()) {
     const std::vector<Vec3> normals = vectors("nx", "ny", "nz");
     for (size_t i = 0; i < normals.size(); ++i) {
-      if (!(normals[i].norm() > 1e-6))
-        return bad_input(name + ": point " + std::to_string(i) + ": its normal is zero");
+      if (!(normals[i].norm() > 1e-6) || !std::isfinite(normals[i].norm()))
+        return bad_input(name + ": point " + std::to_string(i) +
+                         ": its normal is zero or not finite; remove the point or give " +
+                         "--ray-origin or --ray-direction");
       scan.ray_origins.push_back(scan.points[i] + normals[i].normalized() * reach_mm);
     }
   }
@@ -76,17 +81,21 @@ Result<Scan> scan_from_table(PointTable table, const ReadScanOptions& options, c
         "from: --ray-origin X,Y,Z (one sensor) or --ray-direction X,Y,Z (parallel rays)");
   }
   for (size_t i = 0; i < n; ++i) {
-    if (!scan.ray_origins[i].allFinite() || !((scan.points[i] - scan.ray_origins[i]).norm() > 1e-9)) {
+    const double length_mm = (scan.points[i] - scan.ray_origins[i]).norm();
+    if (!(length_mm > 1e-9) || length_mm > 1e9) {
       return bad_input(name + ": point " + std::to_string(i) +
-                       ": its ray has no direction (origin equals the point, or " + "is not finite)");
+                       ": its ray has no direction (its origin is the point itself, beyond 1000 km, or " +
+                       "not finite); remove the point or repair the file");
     }
   }
 
   if (const auto* sigma = column("sigma")) {
     for (size_t i = 0; i < n; ++i) {
       const double sigma_mm = (*sigma)[i] * scale;
-      if (!(sigma_mm > 0) || sigma_mm > 1e6) {
-        return bad_input(name + ": point " + std::to_string(i) + ": sigma must be a positive number");
+      if (!(static_cast<float>(sigma_mm) > 0) || sigma_mm > 1e6) {
+        return bad_input(name + ": point " + std::to_string(i) +
+                         ": sigma must be a number above 0 (and below 1 km); remove " +
+                         "the point or repair the file");
       }
       scan.sigma_mm.push_back(static_cast<float>(sigma_mm));
     }
@@ -99,16 +108,22 @@ Result<Scan> scan_from_table(PointTable table, const ReadScanOptions& options, c
 
   scan.intensity.assign(n, 1.0f);
   if (const auto* values = column("intensity")) {
-    for (size_t i = 0; i < n; ++i) scan.intensity[i] = static_cast<float>((*values)[i]);
+    for (size_t i = 0; i < n; ++i) {
+      if (!(std::abs((*values)[i]) <= static_cast<double>(std::numeric_limits<float>::max()))) {
+        return bad_input(name + ": point " + std::to_string(i) +
+                         ": intensity is not a finite number; remove the point or the column");
+      }
+      scan.intensity[i] = static_cast<float>((*values)[i]);
+    }
   }
   const auto whole = [&](std::string_view key, std::vector<uint32_t>& out) -> Status {
     out.assign(n, 0);
     const auto* values = column(key);
     if (!values) return Done{};
     for (size_t i = 0; i < n; ++i) {
-      if (!((*values)[i] >= 0 && (*values)[i] <= 4294967295.0)) {
+      if (!((*values)[i] >= 0 && (*values)[i] <= 4294967295.0 && (*values)[i] == std::floor((*values)[i]))) {
         return bad_input(name + ": point " + std::to_string(i) + ": " + std::string(key) +
-                         " is not a whole number from 0");
+                         " is not a whole number from 0; repair the file");
       }
       out[i] = static_cast<uint32_t>((*values)[i]);
     }
@@ -135,7 +150,7 @@ Result<Scan> read_scan(const std::filesystem::path& path, const ReadScanOptions&
       : ending == ".pcd" ? parse_pcd(*content, name)
       : ending == ".xyz" || ending == ".csv" || ending == ".txt"
           ? parse_xyz(*content, name)
-          : Result<PointTable>(bad_input(name + ": unknown ending '" + ending +
+          : Result<PointTable>(bad_input(name + ": unknown ending '" + excerpt(ending) +
                                          "'; a scan is .ply, .pcd (text), .xyz, .csv or .txt"));
   if (!table) return table.error();
   return scan_from_table(std::move(*table), options, name);

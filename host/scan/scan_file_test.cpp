@@ -120,6 +120,51 @@ TEST_F(ScanFile, errors_name_the_place) {
   EXPECT_NE(missing.error().message.find("missing.ply"), std::string::npos);
 }
 
+// What the fuzzer's properties found, and counts that do not fit what is there.
+TEST_F(ScanFile, broken_numbers_and_counts_are_errors) {
+  const std::string with_intensity =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float ray_x\nproperty float ray_y\nproperty float ray_z\nproperty float sigma\n"
+      "property double intensity\nproperty double view\nend_header\n";
+  EXPECT_EQ(error_of("good.ply", with_intensity + "1 2 3 0 0 9 0.1 1 0\n"), "");
+  EXPECT_NE(error_of("nan.ply", with_intensity + "1 2 3 0 0 9 0.1 nan 0\n").find("intensity"),
+            std::string::npos);
+  EXPECT_NE(error_of("far.ply", with_intensity + "1 2 3 0 0 9 0.1 1e300 0\n").find("intensity"),
+            std::string::npos);
+  EXPECT_NE(error_of("half.ply", with_intensity + "1 2 3 0 0 9 0.1 1 1.5\n").find("whole"),
+            std::string::npos);
+  EXPECT_NE(error_of("ray.ply", with_intensity + "1 2 3 1e200 0 9 0.1 1 0\n").find("point 0: its ray"),
+            std::string::npos);
+  EXPECT_NE(error_of("thin.ply", with_intensity + "1 2 3 0 0 9 1e-300 1 0\n").find("sigma"),
+            std::string::npos);
+  EXPECT_NE(error_of("more.ply", with_intensity + "1 2 3 0 0 9 0.1 1 0\n4 5 6 0 0 9 0.1 1 0\n")
+                .find("bytes follow"),
+            std::string::npos);
+  EXPECT_NE(
+      error_of("more_binary.ply", scan_to_ply(small_scan()) + std::string(64, '\0')).find("64 bytes follow"),
+      std::string::npos);
+  EXPECT_NE(error_of("twice.csv", "x,y,z,x\n1,2,3,4\n").find("'x' stands there twice"), std::string::npos);
+  const std::string pcd = "FIELDS x y z\nPOINTS 2\nDATA ascii\n";
+  EXPECT_NE(error_of("less.pcd", pcd + "1 2 3\n\n# no point\n").find("2 points announced, 1 there"),
+            std::string::npos);
+  EXPECT_NE(error_of("more.pcd", pcd + "1 2 3\nnan nan nan\n7 8 9\n").find("2 points announced, 3 there"),
+            std::string::npos);
+}
+
+TEST_F(ScanFile, of_a_file_of_another_kind_the_error_is_short_and_plain) {
+  std::string bytes = "7";
+  for (int i = 0; i < 100'000; ++i) bytes += static_cast<char>(i % 251 == 10 ? 11 : i % 251);
+  for (const char* name : {"a.ply", "a.pcd", "a.xyz", "a.csv"}) {
+    for (const std::string& content :
+         {bytes, "ply\n" + bytes, "x y z\n" + bytes, "FIELDS " + bytes, "1 2 " + bytes}) {
+      const std::string message = error_of(name, content);
+      EXPECT_NE(message, "");
+      EXPECT_LT(message.size(), folder_.string().size() + 300);
+      for (const char c : message) EXPECT_TRUE(c >= ' ' && c <= '~') << name << ": " << static_cast<int>(c);
+    }
+  }
+}
+
 TEST_F(ScanFile, clouds_of_others_get_rays_sigma_and_unit) {
   const ReadScanOptions options{.unit_scale_mm = 1000.0, .ray_origin_mm = Vec3(0, 0, 0), .sigma_mm = 2.0};
   const Result<Scan> scan = read_scan(put("tls.xyz", "0.5,1,2\r\n-0.5;1;2\n\n# end\n"), options);

@@ -4,7 +4,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "host/base/excerpt.hpp"
 #include "host/base/nearest_name.hpp"
+#include "host/base/parse_json.hpp"
 #include "host/base/whole_file.hpp"
 #include "host/session/plan.hpp"
 
@@ -22,8 +24,8 @@ Status check_keys(const json& object, const std::string& place, std::span<const 
   if (!object.is_object()) return bad_input(place + " must be an object");
   for (const auto& [key, value] : object.items()) {
     if (std::find(known.begin(), known.end(), key) == known.end()) {
-      return bad_input(place + ": unknown key \"" + key + "\"; did you mean \"" + nearest_name(key, known) +
-                       "\"?");
+      return bad_input(place + ": unknown key \"" + excerpt(key) + "\"; did you mean \"" +
+                       nearest_name(key, known) + "\"?");
     }
   }
   return Done{};
@@ -111,8 +113,9 @@ Result<ScanPlan> read_plan(const std::filesystem::path& path) {
   const auto text = read_whole_file(path);
   if (!text) return text.error();
   const std::string name = path.string();
-  const json root = json::parse(*text, nullptr, /*allow_exceptions=*/false);
-  if (root.is_discarded()) return bad_input(name + ": not JSON; see host/session/README.md for a plan");
+  const Result<json> parsed = parse_json(*text, name);
+  if (!parsed) return parsed.error();
+  const json& root = *parsed;
   if (const Status done = check_keys(root, name, kPlanKeys); !done) return done.error();
   PlannedView common;
   if (const Status done = read_raster(root, name + ": ", common); !done) return done.error();

@@ -28,10 +28,12 @@ bool less(const Vec3& a, const Vec3& b) {
   return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
 }
 
-// Largest coordinate or size: what the digits of a file are relative to.
-double extent_of(const std::vector<Vec3>& vertices) {
+// Largest coordinate of a corner: what the digits of a file are relative to.
+double extent_of(const TriangleMesh& mesh) {
   double extent = 0;
-  for (const Vec3& p : vertices) extent = std::max(extent, p.cwiseAbs().maxCoeff());
+  for (const Triangle& t : mesh.triangles) {
+    for (const uint32_t v : t) extent = std::max(extent, mesh.vertices[v].cwiseAbs().maxCoeff());
+  }
   return extent;
 }
 
@@ -305,9 +307,12 @@ Result<ClosedMesh> close_mesh(const TriangleMesh& file, const std::string& place
   if (file.triangles.empty()) {
     return bad_input(place + ": no triangles in it; a model must hold the closed surface of a part");
   }
-  const double extent = extent_of(file.vertices);
-  if (!(extent > 0) || extent > 1e9) {
-    return bad_input(place + ": the part's size makes no sense (" + std::to_string(extent) +
+  const double extent = extent_of(file);
+  // A part in metres taken as one in micrometres is still within.
+  if (!(extent >= 1e-9) || extent > 1e9) {
+    char size[32];
+    std::snprintf(size, sizeof size, "%g", extent);
+    return bad_input(place + ": the part's size makes no sense (" + size +
                      " mm from the origin); check the file and its unit");
   }
   ClosedMesh mesh;

@@ -381,6 +381,12 @@ TEST(Mesh, DamagedFilesNameThePlace) {
       ".ply", "no element 'face'");
   const std::string whole = ply(box(), "binary_little_endian");
   names(whole.substr(0, whole.size() - 3), ".ply", "face 5");
+  names(whole + "0123", ".ply", "4 bytes follow");
+  names(off(box()) + "3 0 1 2\n", ".off", "'3' follows after all");
+  names("v 0 0 0\n\x1b[2J\xff\n", ".obj", ".obj:2: '?[2J?' is not supported");
+  Mesh tiny = box(Vec3(10, 10, 10));
+  for (Vec3& p : tiny.vertices) p *= 1e-320;
+  names(off(tiny), ".off", "size makes no sense (9.99989e-320 mm");
   Mesh flat = box(Vec3(10, 10, 10));
   for (Vec3& p : flat.vertices) p.z() = 0;
   EXPECT_NE(error_of(off(flat), ".off"), "");

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "host/base/excerpt.hpp"
+
 namespace tetragauge {
 namespace {
 
@@ -62,7 +64,7 @@ class Parser {
   void expect(char c) {
     if (accept(c)) return;
     if (at_ >= text_.size()) fail(std::string("the file ends where '") + c + "' should stand");
-    fail(std::string("'") + text_[at_] + "' where '" + c + "' should stand");
+    fail("'" + excerpt(text_.substr(at_, 1)) + "' where '" + c + "' should stand");
   }
 
   static bool is_name_character(char c) {
@@ -75,7 +77,7 @@ class Parser {
     while (at_ < text_.size() && is_name_character(text_[at_])) ++at_;
     if (at_ == begin) {
       if (at_ >= text_.size()) fail("the file ends where a name should stand");
-      fail(std::string("'") + text_[at_] + "' where a name should stand");
+      fail("'" + excerpt(text_.substr(at_, 1)) + "' where a name should stand");
     }
     return std::string(text_.substr(begin, at_ - begin));
   }
@@ -92,7 +94,7 @@ class Parser {
       if (word == "true") return {true};
       if (word == "false") return {false};
       if (word == "undef") return {CsgUndef{}};
-      fail("'" + word + "' is not a value");
+      fail("'" + excerpt(word) + "' is not a value");
     }
     return parse_number();
   }
@@ -125,7 +127,7 @@ class Parser {
     const char* const begin = text_.data() + at_;
     const auto [end, code] = std::from_chars(begin, text_.data() + text_.size(), value);
     if (code != std::errc{} || !std::isfinite(value)) {
-      fail(std::string("no finite number at '") + text_[at_] + "'");
+      fail("no finite number at '" + excerpt(text_.substr(at_, 1)) + "'");
     }
     at_ += static_cast<size_t>(end - begin);
     return {value};

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 
+#include "host/base/excerpt.hpp"
 #include "host/geometry/parse_number.hpp"
 #include "host/solid/cut_polygon.hpp"
 #include "host/solid/parse_mesh.hpp"
@@ -62,14 +63,13 @@ Result<TriangleMesh> parse_obj(std::string_view content, const std::string& file
       for (std::string_view word = next_word(line); !word.empty(); word = next_word(line)) {
         const auto corner = corner_of(word, mesh.vertices.size());
         if (!corner) {
-          return bad_input(place + "'" + std::string(word.substr(0, 40)) +
-                           "' is no corner of a face; export it again");
+          return bad_input(place + "'" + excerpt(word) + "' is no corner of a face; export it again");
         }
         corners.push_back(*corner);
       }
       if (Status status = add_polygon(corners, place, mesh); !status) return status.error();
     } else if (std::find(kPassedOver.begin(), kPassedOver.end(), key) == kPassedOver.end()) {
-      return bad_input(place + "'" + std::string(key.substr(0, 40)) +
+      return bad_input(place + "'" + excerpt(key) +
                        "' is not supported; export the part as OBJ with vertices (v) and faces (f)");
     }
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <array>
 
+#include "host/base/excerpt.hpp"
 #include "host/geometry/parse_number.hpp"
 #include "host/solid/cut_polygon.hpp"
 #include "host/solid/parse_mesh.hpp"
@@ -91,6 +92,10 @@ Result<TriangleMesh> parse_off(std::string_view content, const std::string& file
     }
     lines.skip_line();
     if (Status status = add_polygon(corners, lines.place(), mesh); !status) return status.error();
+  }
+  if (const std::string_view word = lines.next(); !word.empty()) {
+    return bad_input(lines.place() + "'" + excerpt(word) +
+                     "' follows after all vertices and faces announced; export it again");
   }
   return mesh;
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/excerpt.hpp"
 #include "host/geometry/parse_number.hpp"
 #include "host/geometry/ply_elements.hpp"
 #include "host/solid/cut_polygon.hpp"
@@ -82,7 +83,7 @@ Result<TriangleMesh> parse_ply_mesh(std::string_view content, const std::string&
                        ": element 'face' has no list vertex_indices; export it with triangles or polygons");
     }
     for (uint64_t i = 0; i < element.count; ++i) {
-      const std::string where = file + ": " + element.name + " " + std::to_string(i) + ": ";
+      const std::string where = file + ": " + excerpt(element.name) + " " + std::to_string(i) + ": ";
       if (!read_row(element, list, body, row)) {
         return bad_input(where + "not a number, or the file ends within it; it is cut short or damaged");
       }
@@ -100,6 +101,7 @@ Result<TriangleMesh> parse_ply_mesh(std::string_view content, const std::string&
       }
     }
   }
+  if (Status status = check_ply_end(body, file); !status) return status.error();
   if (!has_faces) {
     return bad_input(file +
                      ": no element 'face': points, not a solid; a scan goes where the command asks for one");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "host/base/excerpt.hpp"
 #include "host/geometry/parse_number.hpp"
 #include "host/solid/parse_mesh.hpp"
 
@@ -104,8 +105,7 @@ class AsciiParser {
   void skip_line() { line_ = {}; }
 
   Error fail(const std::string& expected) const {
-    const std::string found =
-        word_.empty() ? "the file ends" : "'" + std::string(word_.substr(0, 40)) + "' stands";
+    const std::string found = word_.empty() ? "the file ends" : "'" + excerpt(word_) + "' stands";
     return bad_input(
         file_ + ":" + std::to_string(number_) + ": " + found + " where " + expected +
         " should; export the STL file again (a binary one has 84 bytes and 50 for each triangle)");
