@@ -386,7 +386,7 @@ TEST(Mesh, DamagedFilesNameThePlace) {
   names("v 0 0 0\n\x1b[2J\xff\n", ".obj", ".obj:2: '?[2J?' is not supported");
   Mesh tiny = box(Vec3(10, 10, 10));
   for (Vec3& p : tiny.vertices) p *= 1e-320;
-  names(off(tiny), ".off", "size makes no sense (9.99989e-320 mm");
+  names(off(tiny), ".off", "size makes no sense");
   Mesh flat = box(Vec3(10, 10, 10));
   for (Vec3& p : flat.vertices) p.z() = 0;
   EXPECT_NE(error_of(off(flat), ".off"), "");
