@@ -97,9 +97,6 @@ class Controller {
   tg_State state() const { return m_.state(); }
   tg_FaultCode fault() const { return m_.supervisor.fault(); }
   uint32_t view() const { return m_.scan.view(); }
-  // A stream item or a heartbeat has gone out and the host has not answered it yet: an emulator in virtual
-  // time waits here (link/obligations.hpp).
-  bool host_owes_answer() const { return m_.link.obligations().owed(); }
   // Nothing happens on the machine until the host asks for something.
   bool resting() const {
     return state() != tg_State_STATE_HOMING && state() != tg_State_STATE_SCANNING && !m_.moving() &&
@@ -196,19 +193,13 @@ class Controller {
 
   void handle_event() {
     switch (message_.which_body) {
-      case tg_HostMessage_heartbeat_ack_tag:
-        m_.link.obligations().heartbeat_answered(message_.body.heartbeat_ack.counter);
-        break;
       case tg_HostMessage_points_credit_tag:
         m_.ring.credit(message_.body.points_credit);
-        if (message_.body.points_credit.plan_id == m_.ring.plan_id()) {
-          m_.link.obligations().credit_came(message_.body.points_credit.acked);
-        }
         break;
       case tg_HostMessage_points_resend_tag:
         m_.ring.resend(message_.body.points_resend);
         break;
-      default:
+      default:  // HeartbeatAck: that it came is all it says
         break;
     }
   }

@@ -83,10 +83,7 @@ struct Machine {
     supervisor.enter(tg_State_STATE_READY);
   }
 
-  void start_stream(uint32_t plan_id) {
-    ring.start(plan_id);
-    link.obligations().stream_started();
-  }
+  void start_stream(uint32_t plan_id) { ring.start(plan_id); }
 
   void use_config() {
     table.configure(config.stage.table);

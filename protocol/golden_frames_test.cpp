@@ -199,5 +199,22 @@ TEST(GoldenFrames, SpoiledPayloadsDoNoHarm) {
   }
 }
 
+TEST(DecodeMessage, RefusesAValueItsEnumerationDoesNotHave) {
+  const auto decodes = [](std::initializer_list<uint8_t> payload, auto message) {
+    Frame frame;
+    frame.payload_bytes = payload.size();
+    frame.payload = payload.begin();
+    return decode_message(frame, &message);
+  };
+  const tg_HostMessage host = tg_HostMessage_init_zero;
+  const tg_MachineMessage machine = tg_MachineMessage_init_zero;
+  EXPECT_TRUE(decodes({0x2a, 2, 8, 6}, host)) << "GetConfig: CONFIG_VOLUME";
+  EXPECT_FALSE(decodes({0x2a, 2, 8, 7}, host));
+  EXPECT_FALSE(decodes({0x2a, 2, 8, 16}, host));
+  EXPECT_FALSE(decodes({0x2a, 11, 8, 255, 255, 255, 255, 255, 255, 255, 255, 255, 1}, host)) << "-1";
+  EXPECT_TRUE(decodes({0x3a, 2, 8, 10}, machine)) << "Fault: FAULT_STORAGE";
+  EXPECT_FALSE(decodes({0x3a, 2, 8, 11}, machine));
+}
+
 }  // namespace
 }  // namespace tetragauge

@@ -27,7 +27,8 @@ static_assert(tg_Config_size <= kFramePayloadBytes - 8, "a part of the configura
 size_t encode_calibration(const tg_Calibration& calibration, uint8_t* record);
 bool decode_calibration(const uint8_t* record, size_t bytes, tg_Calibration* calibration);
 
-// False when the payload is not such a message or holds none.
+// False when the payload is not such a message, holds none, or has a value that its enumeration does not
+// have.
 bool decode_message(const Frame& frame, tg_HostMessage* message);
 bool decode_message(const Frame& frame, tg_MachineMessage* message);
 

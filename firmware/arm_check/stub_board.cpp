@@ -102,7 +102,6 @@ extern "C" [[noreturn]] void Reset_Handler() {
   for (;;) {
     controller->poll();
     if (handlers[cells[0] % 4] == nullptr) continue;
-    cells[1] = static_cast<uint32_t>(controller->next_poll_ns() / 1000) + controller->resting() +
-               controller->host_owes_answer();
+    cells[1] = static_cast<uint32_t>(controller->next_poll_ns() / 1000) + controller->resting();
   }
 }

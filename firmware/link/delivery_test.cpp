@@ -106,25 +106,5 @@ TEST(StreamRing, SendsOnlyWithCreditAndKeepsUntilAcknowledged) {
   EXPECT_EQ(item, 2u) << "what is acknowledged is gone";
 }
 
-TEST(Obligations, HostOwesUntilItAnswersOrRepeatsItself) {
-  Obligations owes;
-  EXPECT_FALSE(owes.owed());
-  owes.heartbeat_sent(1);
-  EXPECT_TRUE(owes.owed());
-  owes.heartbeat_answered(1);
-  EXPECT_FALSE(owes.owed());
-  owes.item_sent(1);
-  owes.item_sent(2);
-  owes.credit_came(1);
-  EXPECT_TRUE(owes.owed()) << "on its way: one of two";
-  owes.credit_came(2);
-  EXPECT_FALSE(owes.owed());
-  owes.item_sent(3);
-  owes.credit_came(2);
-  EXPECT_FALSE(owes.owed()) << "it repeats itself: item 2 was lost";
-  owes.heartbeat_sent(2);
-  EXPECT_TRUE(owes.owed()) << "and is told so by the heartbeat";
-}
-
 }  // namespace
 }  // namespace tetragauge

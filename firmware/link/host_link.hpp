@@ -5,7 +5,6 @@
 
 #include "firmware/hal/board.hpp"
 #include "firmware/link/log_queue.hpp"
-#include "firmware/link/obligations.hpp"
 #include "firmware/link/reply_cache.hpp"
 #include "firmware/link/stream_ring.hpp"
 
@@ -108,16 +107,11 @@ class HostLink {
       out_at_ += taken;
       if (out_at_ < out_bytes_) continue;
       ++frames_out_;
-      if (out_is_item_) obligations_.item_sent(ring_.sent());
-      if (out_is_heartbeat_) obligations_.heartbeat_sent(heartbeat_counter_);
     }
   }
   bool sending() const {
     return out_at_ < out_bytes_ || reply_bytes_ + fault_bytes_ + heartbeat_bytes_ > 0 || log_waits();
   }
-
-  Obligations& obligations() { return obligations_; }
-  const Obligations& obligations() const { return obligations_; }
 
  private:
   bool log_waits() const { return heartbeats_ && !logs_.empty(); }
@@ -125,14 +119,12 @@ class HostLink {
   static uint32_t crc_of(const Frame& frame) { return crc32c(frame.payload, frame.payload_bytes); }
 
   bool next_frame() {
-    out_is_item_ = out_is_heartbeat_ = false;
     uint32_t item = 0;
     if (reply_bytes_ > 0) {
       put_out(reply_, &reply_bytes_);
     } else if (fault_bytes_ > 0) {
       put_out(fault_wire_, &fault_bytes_);
     } else if (heartbeat_bytes_ > 0) {
-      out_is_heartbeat_ = true;
       put_out(heartbeat_wire_, &heartbeat_bytes_);
     } else if (log_waits()) {
       event_ = tg_MachineMessage_init_zero;
@@ -141,7 +133,6 @@ class HostLink {
       out_bytes_ = encode_message({Channel::kEvent, event_count_++}, event_, out_);
       out_at_ = 0;
     } else if (ring_.next_to_send(&item)) {
-      out_is_item_ = true;
       out_bytes_ = ring_.encode(item, out_);
       out_at_ = 0;
     } else {
@@ -183,8 +174,6 @@ class HostLink {
 
   uint8_t out_[kFrameWireBytes] = {};
   size_t out_at_ = 0, out_bytes_ = 0;
-  bool out_is_item_ = false, out_is_heartbeat_ = false;
-  Obligations obligations_;
 };
 
 }  // namespace tetragauge
