@@ -25,7 +25,7 @@ bool decode_fields(const pb_msgdesc_t* fields, const Frame& frame, void* message
 template <class Enumeration>
 bool known(const Enumeration& field, Enumeration last) {
   unsigned int value = 0;
-  static_assert(sizeof field == sizeof value);
+  static_assert(sizeof field <= sizeof value);  // one byte on ARM; both ends are little-endian
   std::memcpy(&value, &field, sizeof value);
   return value <= static_cast<unsigned int>(last);
 }
