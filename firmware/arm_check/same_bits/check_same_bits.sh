@@ -44,9 +44,10 @@ arm=(-mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard -Os)
 build arm $cross- "${arm[@]}"
 $cross-gcc "${arm[@]}" -nostartfiles -nostdlib -Wl,--gc-sections -T "$source_dir/firmware/arm_check/same_bits/mps2_an386.ld" \
   "${linked[@]}" -lc_nano -lgcc -o same_bits-arm.elf
-if $cross-nm same_bits-arm.elf | grep -q ' [dD] '; then
-  echo "check_same_bits: initialised data, which the start-up code does not copy" >&2
-  $cross-nm same_bits-arm.elf | grep ' [dD] ' >&2
+# Read to its end: with grep -q, nm may die of a closed pipe and pipefail would take that for nothing found.
+initialised=$($cross-nm same_bits-arm.elf | grep ' [dD] ' || true)
+if [ -n "$initialised" ]; then
+  echo "check_same_bits: initialised data, which the start-up code does not copy: $initialised" >&2
   exit 1
 fi
 

@@ -15,7 +15,7 @@ void say(const char* text);  // write_line.cpp
 namespace tetragauge {
 namespace {
 
-uint32_t seed = 1;
+uint32_t seed;  // from 0: the start-up code copies no initialised data
 uint32_t draw(uint32_t below) {
   seed = seed * 1664525u + 1013904223u;  // Numerical Recipes
   return (seed >> 8) % below;
