@@ -2,10 +2,10 @@
 #include "host/faces/draw_faces.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <numbers>
+
+#include "host/base/append_bytes.hpp"
 
 namespace tetragauge {
 namespace {
@@ -91,14 +91,6 @@ Picture draw_view(const Reconstruction& reconstruction, const MeasuredFaces& fac
   return picture;
 }
 
-template <class T>
-void append(std::string& out, T value) {
-  static_assert(std::endian::native == std::endian::little, "the PLY is written little-endian");
-  std::array<char, sizeof(T)> bytes;
-  std::memcpy(bytes.data(), &value, sizeof(T));
-  out.append(bytes.data(), bytes.size());
-}
-
 }  // namespace
 
 Picture draw_four_views(const Reconstruction& reconstruction, const MeasuredFaces& faces) {
@@ -168,14 +160,14 @@ std::string coloured_surface_ply(const Reconstruction& reconstruction, const Mea
       "\nproperty list uchar uint vertex_indices\nproperty uchar red\nproperty uchar green\nproperty "
       "uchar blue\nproperty int face\nend_header\n";
   for (const Vec3& p : reconstruction.vertices) {
-    for (int k = 0; k < 3; ++k) append(out, p[k]);
+    for (int k = 0; k < 3; ++k) append_bytes(out, p[k]);
   }
   const std::vector<int32_t> face_of = face_of_triangle(reconstruction, faces);
   for (size_t t = 0; t < face_of.size(); ++t) {
-    append(out, uint8_t{3});
-    for (uint32_t v : reconstruction.surface[t].vertex) append(out, v);
-    for (const uint8_t c : colour_of(face_of[t])) append(out, c);
-    append(out, face_of[t]);
+    append_bytes(out, uint8_t{3});
+    for (uint32_t v : reconstruction.surface[t].vertex) append_bytes(out, v);
+    for (const uint8_t c : colour_of(face_of[t])) append_bytes(out, c);
+    append_bytes(out, face_of[t]);
   }
   return out;
 }

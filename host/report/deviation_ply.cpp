@@ -3,20 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstring>
+
+#include "host/base/append_bytes.hpp"
 
 namespace tetragauge {
 namespace {
-
-template <class T>
-void append(std::string& out, T value) {
-  static_assert(std::endian::native == std::endian::little, "the PLY is written little-endian");
-  std::array<char, sizeof(T)> bytes;
-  std::memcpy(bytes.data(), &value, sizeof(T));
-  out.append(bytes.data(), bytes.size());
-}
 
 std::array<uint8_t, 3> colour(double share) {
   const double s = std::clamp(share, -1.0, 1.0);
@@ -37,14 +29,14 @@ std::string deviation_ply(const Scan& scan, const Inspection& inspection, double
       "green\nproperty "
       "uchar blue\nproperty float deviation\nproperty int face\nend_header\n";
   for (size_t i = 0; i < scan.size(); ++i) {
-    for (int k = 0; k < 3; ++k) append(out, scan.points[i][k]);
+    for (int k = 0; k < 3; ++k) append_bytes(out, scan.points[i][k]);
     const float deviation = inspection.point_deviation_mm[i];
     const int face = inspection.point_face[i];
     std::array<uint8_t, 3> rgb{128, 128, 128};
     if (face > 0) rgb = colour(static_cast<double>(deviation) / scale_mm);
-    for (const uint8_t c : rgb) append(out, c);
-    append(out, deviation);
-    append(out, static_cast<int32_t>(face));
+    for (const uint8_t c : rgb) append_bytes(out, c);
+    append_bytes(out, deviation);
+    append_bytes(out, static_cast<int32_t>(face));
   }
   return out;
 }
