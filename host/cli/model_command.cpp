@@ -5,6 +5,7 @@
 #include "host/cli/face_table.hpp"
 #include "host/cli/input_options.hpp"
 #include "host/geometry/face_list_file.hpp"
+#include "host/solid/face_loops.hpp"
 
 namespace tetragauge::cli {
 namespace {
@@ -21,11 +22,34 @@ std::string type_line(const FaceList& list) {
   return text + "\n";
 }
 
+nlohmann::ordered_json vec(const Vec3& v) {
+  return {v.x() + 0.0, v.y() + 0.0, v.z() + 0.0};  // no minus zero
+}
+
+nlohmann::ordered_json edge_json(const LoopEdge& edge) {
+  nlohmann::ordered_json json{{"corner_mm", vec(edge.corner_mm)}, {"beyond", edge.beyond}};
+  json["curve"] = edge.is_line ? "line" : edge.circle ? "circle" : "other";
+  if (edge.circle) {
+    json["centre_mm"] = vec(edge.circle->centre_mm);
+    json["axis"] = vec(edge.circle->axis);
+    json["radius_mm"] = edge.circle->radius_mm;
+  }
+  if (edge.is_line) return json;
+  nlohmann::ordered_json& points = json["points_mm"] = nlohmann::ordered_json::array();
+  for (const Vec3& p : edge.points_mm) points.push_back(vec(p));
+  return json;
+}
+
 nlohmann::ordered_json model_json(const Solid& solid) {
   nlohmann::ordered_json json = face_list_to_json(solid.list, "tetragauge/model/1");
-  const auto vec = [](const Vec3& v) {
-    return nlohmann::ordered_json{v.x() + 0.0, v.y() + 0.0, v.z() + 0.0};
-  };
+  const std::vector<std::vector<FaceLoop>> loops = face_loops(solid);
+  for (size_t i = 0; i < loops.size(); ++i) {
+    nlohmann::ordered_json& boundary = json["faces"][i]["boundary"] = nlohmann::ordered_json::array();
+    for (const FaceLoop& loop : loops[i]) {
+      nlohmann::ordered_json& edges = boundary.emplace_back(nlohmann::ordered_json::array());
+      for (const LoopEdge& edge : loop) edges.push_back(edge_json(edge));
+    }
+  }
   json["declared_unit"] = solid.declared_unit;
   json["solids"] = solid.solids;
   json["volume_mm3"] = solid.volume_mm3;
