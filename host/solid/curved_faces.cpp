@@ -38,6 +38,11 @@ bool is_over(const Corners& p, const Vec3& x, const Vec3& n) {
   return true;
 }
 
+bool is_in_box(const std::array<float, 6>& box, const Vec3& p) {
+  return p.x() >= box[0] && p.x() <= box[3] && p.y() >= box[1] && p.y() <= box[4] && p.z() >= box[2] &&
+         p.z() <= box[5];
+}
+
 struct BoxContext {
   RTCIntersectContext context;  // first, so that Embree's pointer to it is a pointer to this
   std::vector<uint32_t>* found;
@@ -128,6 +133,7 @@ std::vector<Crossing> CurvedFaces::crossings(const Vec3& origin, const Vec3& dir
     for (size_t k = 0; k < roots.count; ++k) {
       const double t = near_t + roots.s[k];
       if (is_taken[k] || t < start || t > end) continue;
+      if (!is_in_box(boxes_[candidate], points[k] - centre_)) continue;
       if (!is_over(corners_of(solid_, triangle), points[k], normals[k])) continue;
       is_taken[k] = true;
       result.push_back({t, triangle, roots.is_entering[k]});

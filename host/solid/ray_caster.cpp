@@ -160,38 +160,54 @@ struct RayCaster::Scene {
     return hit;
   }
 
+  struct TriangleHit {
+    double t = 0;  // from the start
+    uint32_t triangle = 0;
+  };
+  std::optional<TriangleHit> closest(const Vec3& start, const Vec3& direction, double near,
+                                     double far) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRayHit query = ray_query(start, direction, near, far);
+    rtcIntersect1(triangles, &context, &query);
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+    return TriangleHit{static_cast<double>(query.ray.tfar), query.hit.primID};
+  }
+
   std::optional<Crossing> first_crossing(const Vec3& origin, const Vec3& direction, double from_mm) const {
     const auto span = clip(origin, direction);
     if (!span || span->second < from_mm) return std::nullopt;
-    const std::vector<Crossing> known = curved_crossings(origin, direction, *span);
     // From outside the box nothing can be left before it was entered. Where it seems so, the ray came in
     // within a chord's height of a rim, through a plane face's corner that its triangles do not cover.
     const bool starts_outside = span->first > from_mm;
     const auto counts = [&](const Crossing& crossing) {
       return crossing.t > from_mm && (crossing.is_entering || !starts_outside);
     };
-    std::optional<Crossing> best;
-    for (const Crossing& crossing : known) {
-      if (!counts(crossing)) continue;
-      best = crossing;
-      break;
-    }
     const double rounding = kFloatShare * diagonal_mm;
     const double start = std::max(span->first, from_mm - 100 * rounding);
-    double near = 0;
-    for (;;) {
-      const double end = best ? std::min(best->t + rounding, span->second) : span->second;
-      if (end - start <= near) return best;
-      RTCIntersectContext context;
-      rtcInitIntersectContext(&context);
-      RTCRayHit query = ray_query(origin + start * direction - centre, direction, near, end - start);
-      rtcIntersect1(triangles, &context, &query);
-      if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return best;
-      near = static_cast<double>(query.ray.tfar) + rounding;
-      const auto hit = crossing_at(origin, direction, query.hit.primID);
-      if (!hit || !counts(*hit) || is_represented(*hit, known)) continue;
-      return best && best->t <= hit->t ? best : hit;
+    const Vec3 query_start = origin + start * direction - centre;
+    if (span->second <= start) return std::nullopt;
+    std::optional<TriangleHit> next = closest(query_start, direction, 0, span->second - start);
+    // What lies beyond a plane face does not matter. A triangle of a curved face may stand for a crossing
+    // further on.
+    double end = span->second;
+    if (next && face_of(next->triangle).type == SurfaceType::plane) {
+      const auto hit = crossing_at(origin, direction, next->triangle);
+      if (hit && counts(*hit)) end = std::min(end, hit->t + rounding);
     }
+    const std::vector<Crossing> known = curved_crossings(origin, direction, {span->first, end});
+    const auto best = std::find_if(known.begin(), known.end(), counts);
+    const bool has_best = best != known.end();
+    while (next && (!has_best || start + next->t <= best->t + rounding)) {
+      const auto hit = crossing_at(origin, direction, next->triangle);
+      if (hit && counts(*hit) && !is_represented(*hit, known))
+        return has_best && best->t <= hit->t ? *best : *hit;
+      const double near = next->t + rounding;
+      if (span->second - start <= near) break;
+      next = closest(query_start, direction, near, span->second - start);
+    }
+    if (has_best) return *best;
+    return std::nullopt;
   }
 
   // Every crossing of the whole line, ascending.
