@@ -217,6 +217,21 @@ double agreed_area_mm2(const std::vector<BoundaryLoop>& loops, const Vec3& norma
   return std::abs(area - mesh_area_mm2) < 0.05 * spacing_mm * perimeter ? area : mesh_area_mm2;
 }
 
+// Faces that meet along an edge of either one's loops: where the strip along the edge happened to stay
+// unseen, the loops still tell. Two faces of one plane do not meet, whatever closes the gap between them.
+void add_neighbours(const std::vector<PlaneFit>& fits, FaceExtents& extents) {
+  for (size_t f = 0; f < extents.faces.size(); ++f) {
+    for (const BoundaryLoop& loop : extents.faces[f].loops) {
+      for (const BoundaryEdge& edge : loop) {
+        const auto beyond = static_cast<size_t>(edge.beyond);
+        if (edge.beyond == kNoRegion || !meeting_line(fits[f], fits[beyond])) continue;
+        extents.faces[f].neighbours.insert(beyond);
+        extents.faces[beyond].neighbours.insert(f);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 FaceExtents face_extents(const Reconstruction& reconstruction, const SurfaceGraph& graph,
@@ -229,6 +244,7 @@ FaceExtents face_extents(const Reconstruction& reconstruction, const SurfaceGrap
         agreed_area_mm2(loops[f], fitted.fits[f].normal, extent.area_mm2, reconstruction.vertex_spacing_mm);
     extent.loops = std::move(loops[f]);
   }
+  add_neighbours(fitted.fits, extents);
   return extents;
 }
 

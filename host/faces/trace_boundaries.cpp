@@ -48,9 +48,12 @@ class Tracer {
   // enters a triangle by an edge that leads out of f and leaves it by one that leads back.
   void trace(uint32_t t, uint32_t i, int32_t f, std::vector<BoundaryLoop>& loops) {
     std::vector<Run> runs;
+    Vec3 low = at(t, i + 1), high = low;  // of the face's own vertices along the loop
     while (!visited_[t][i]) {
       visited_[t][i] = true;
       const Vec3 &inside = at(t, i + 1), &outside = at(t, i + 2);
+      low = low.cwiseMin(inside);
+      high = high.cwiseMax(inside);
       const int32_t beyond = label_[vertex(t, i + 2)];
       if (runs.empty() || runs.back().beyond != beyond) runs.push_back({beyond, {}, Vec3::Zero(), 0, {}});
       Run& run = runs.back();
@@ -68,12 +71,15 @@ class Tracer {
       t = next;
       i = entry;
     }
+    // Within two spacings all round: a gap between points, no shape that can be told from one.
+    if ((high - low).norm() < 2 * reconstruction_.vertex_spacing_mm) return;
     join(runs);
     for (Run& run : runs) give_line(f, run);
     runs = drop_doubtful(f, std::move(runs));
     // Along one line to and fro: the mesh winds about an edge there.
     if (runs.size() == 1 && runs.front().line) return;
-    loops.push_back(polygon(f, runs));
+    BoundaryLoop loop = polygon(f, runs);
+    if (loop.size() > 2) loops.push_back(std::move(loop));
   }
 
   // The first and last run are one where the walk began in its middle; so are neighbours with one face

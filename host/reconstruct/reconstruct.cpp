@@ -6,6 +6,7 @@
 #include "host/reconstruct/average_points.hpp"
 #include "host/reconstruct/carve_cells.hpp"
 #include "host/reconstruct/extract_surface.hpp"
+#include "host/reconstruct/find_supports.hpp"
 #include "host/reconstruct/label_cells.hpp"
 #include "host/reconstruct/mass_properties.hpp"
 #include "host/reconstruct/rank_doubtful.hpp"
@@ -55,20 +56,42 @@ std::vector<LabelledTetrahedron> labelled(const Tetrahedra& tetrahedra, const st
   return result;
 }
 
+struct LabelledCells {
+  Tetrahedra tetrahedra;
+  Visibility visibility;
+  std::vector<uint8_t> air;
+};
+
+Result<LabelledCells> label(const Scan& scan, const AveragedPoints& averaged,
+                            const ReconstructOptions& options) {
+  Result<Tetrahedra> tetrahedra = delaunay(averaged.vertices);
+  if (!tetrahedra) return tetrahedra.error();
+  Visibility visibility = vote_visibility(*tetrahedra, scan, averaged);
+  std::vector<uint8_t> air =
+      options.method == ReconstructMethod::cut
+          ? label_cells(*tetrahedra, visibility, averaged.point_spacing_mm * averaged.point_spacing_mm)
+          : carve_cells(*tetrahedra, visibility, averaged, options.model);
+  return LabelledCells{*std::move(tetrahedra), std::move(visibility), std::move(air)};
+}
+
 }  // namespace
 
 Result<Reconstruction> reconstruct(const Scan& scan, const ReconstructOptions& options) {
   if (Status status = check(scan, options); !status) return status.error();
   AveragedPoints averaged = average_points(scan, options.spacing_mm);
-  Result<Tetrahedra> triangulated = delaunay(averaged.vertices);
-  if (!triangulated) return triangulated.error();
-  const Tetrahedra& tetrahedra = *triangulated;
-
-  const Visibility visibility = vote_visibility(tetrahedra, scan, averaged);
-  const std::vector<uint8_t> air =
-      options.method == ReconstructMethod::cut
-          ? label_cells(tetrahedra, visibility, averaged.point_spacing_mm * averaged.point_spacing_mm)
-          : carve_cells(tetrahedra, visibility, averaged, options.model);
+  Result<LabelledCells> labels = label(scan, averaged, options);
+  if (options.method == ReconstructMethod::cut) {
+    constexpr int kRounds = 3;  // the first mends nearly all; new tetrahedra may show a few more
+    for (int round = 0; round < kRounds && labels; ++round) {
+      const std::vector<Vec3> supports =
+          find_supports(labels->tetrahedra, labels->air, labels->visibility, averaged);
+      if (supports.empty()) break;
+      add_supports(supports, averaged);
+      labels = label(scan, averaged, options);
+    }
+  }
+  if (!labels) return labels.error();
+  const auto& [tetrahedra, visibility, air] = *labels;
 
   Reconstruction result;
   Surface surface = extract_surface(tetrahedra, air, visibility, scan, averaged);
