@@ -30,10 +30,16 @@ double height_over(const Face& face, const Corners& p) {
   return 2 * height;
 }
 
-// Whether the line through x along n meets the triangle, its edges included.
-bool is_over(const Corners& p, const Vec3& x, const Vec3& n) {
+// Newton's steps from two neighbouring triangles find one point but for this: far more than rounding. Who
+// takes it twice counts it once.
+constexpr double kSamePoint_mm = 1e-7;
+
+// Whether the line through x along n meets the triangle, its edges included, or passes it by `slack_mm`.
+bool is_over(const Corners& p, const Vec3& x, const Vec3& n, double slack_mm = 0) {
   for (size_t k = 0; k < 3; ++k) {
-    if (n.dot((p[k] - x).cross(p[(k + 1) % 3] - x)) < 0) return false;
+    const Vec3& q = p[(k + 1) % 3];
+    const double least = slack_mm > 0 ? -slack_mm * (q - p[k]).norm() : 0;
+    if (n.dot((p[k] - x).cross(q - x)) < least) return false;
   }
   return true;
 }
@@ -66,22 +72,18 @@ CurvedFaces::CurvedFaces(RTCDevice device, const Solid& solid, const Vec3& centr
   for (uint32_t i = 0; i < solid.triangles.size(); ++i) {
     if (is_solved(solid.faces()[solid.triangle_face[i]])) triangles_.push_back(i);
   }
-  if (triangles_.empty()) return;
   std::stable_sort(triangles_.begin(), triangles_.end(),
                    [&](uint32_t a, uint32_t b) { return solid.triangle_face[a] < solid.triangle_face[b]; });
-  const double rounding_mm = kFloatShare * (solid.box_max_mm - solid.box_min_mm).norm();
-  for (const uint32_t triangle : triangles_) {
-    const Corners p = corners_of(solid, triangle);
-    const double margin = height_over(solid.faces()[solid.triangle_face[triangle]], p) + rounding_mm;
-    const Vec3 low = p[0].cwiseMin(p[1]).cwiseMin(p[2]) - centre - Vec3::Constant(margin);
-    const Vec3 high = p[0].cwiseMax(p[1]).cwiseMax(p[2]) - centre + Vec3::Constant(margin);
-    std::array<float, 6> box;
-    for (int i = 0; i < 3; ++i) {
-      box[static_cast<size_t>(i)] = static_cast<float>(low[i]);
-      box[static_cast<size_t>(i) + 3] = static_cast<float>(high[i]);
-    }
-    boxes_.push_back(box);
+  for (const uint32_t triangle : triangles_)
+    add_box(triangle, height_over(solid.faces()[solid.triangle_face[triangle]], corners_of(solid, triangle)));
+  for (const TriangleOnSurface& on : solid.on_surface) {
+    FreeformPiece piece{corners_of(solid, on.triangle), solid.surfaces[on.surface].get(), on.corners};
+    piece.height_mm = freeform_height_mm(piece);
+    triangles_.push_back(on.triangle);
+    add_box(on.triangle, piece.height_mm);
+    pieces_.push_back(piece);
   }
+  if (triangles_.empty()) return;
   scene_ = rtcNewScene(device);
   rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
   const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
@@ -91,6 +93,19 @@ CurvedFaces::CurvedFaces(RTCDevice device, const Solid& solid, const Vec3& centr
       geometry, [](const RTCBoundsFunctionArguments* arguments) { box_bounds(arguments); }, nullptr);
   rtcSetGeometryIntersectFunction(geometry, box_hit);
   commit_scene(scene_, geometry);
+}
+
+void CurvedFaces::add_box(uint32_t triangle, double height_mm) {
+  const double margin = height_mm + kFloatShare * (solid_.box_max_mm - solid_.box_min_mm).norm();
+  const Corners p = corners_of(solid_, triangle);
+  const Vec3 low = p[0].cwiseMin(p[1]).cwiseMin(p[2]) - centre_ - Vec3::Constant(margin);
+  const Vec3 high = p[0].cwiseMax(p[1]).cwiseMax(p[2]) - centre_ + Vec3::Constant(margin);
+  std::array<float, 6> box;
+  for (int i = 0; i < 3; ++i) {
+    box[static_cast<size_t>(i)] = static_cast<float>(low[i]);
+    box[static_cast<size_t>(i) + 3] = static_cast<float>(high[i]);
+  }
+  boxes_.push_back(box);
 }
 
 CurvedFaces::~CurvedFaces() {
@@ -118,6 +133,19 @@ std::vector<Crossing> CurvedFaces::crossings(const Vec3& origin, const Vec3& dir
   std::array<bool, 4> is_taken{};
   for (const uint32_t candidate : found) {
     const uint32_t triangle = triangles_[candidate];
+    if (candidate >= first_piece()) {
+      const FreeformPiece& piece = pieces_[candidate - first_piece()];
+      const FreeformCrossings own = freeform_crossings(piece, near, direction);
+      for (size_t k = 0; k < own.count; ++k) {
+        const FreeformCrossing& crossing = own.crossings[k];
+        const double t = near_t + crossing.s;
+        if (t < start || t > end ||
+            !is_over(piece.corners, crossing.point_mm, crossing.normal, kSamePoint_mm))
+          continue;
+        result.push_back({t, triangle, crossing.normal.dot(direction) < 0, crossing.normal});
+      }
+      continue;
+    }
     const uint32_t own = solid_.triangle_face[triangle];
     const Face& face = solid_.faces()[own];
     if (is_first || own != face_index) {
@@ -136,7 +164,7 @@ std::vector<Crossing> CurvedFaces::crossings(const Vec3& origin, const Vec3& dir
       if (!is_in_box(boxes_[candidate], points[k] - centre_)) continue;
       if (!is_over(corners_of(solid_, triangle), points[k], normals[k])) continue;
       is_taken[k] = true;
-      result.push_back({t, triangle, roots.is_entering[k]});
+      result.push_back({t, triangle, roots.is_entering[k], Vec3::Zero()});
     }
   }
   std::stable_sort(result.begin(), result.end(),

@@ -39,8 +39,9 @@ struct RayCaster::Scene {
   Vec3 centre, half;  // the box, widened
   double diagonal_mm;
   CurvedFaces curved;
-  std::vector<char> is_solved;  // by face: curved, and its crossings known from its equation
-  std::vector<char> is_at_rim;  // by triangle: a corner of it belongs to another face too
+  std::vector<char> is_solved;    // by face: curved, and its crossings known from its equation
+  std::vector<char> has_surface;  // by triangle: of a free-form face whose surface is known
+  std::vector<char> is_at_rim;    // by triangle: a corner of it belongs to another face too
 
   explicit Scene(const Solid& model)
       : solid(model),
@@ -85,6 +86,8 @@ struct RayCaster::Scene {
     }
     for (const auto& t : solid.triangles)
       is_at_rim.push_back(is_shared[t[0]] || is_shared[t[1]] || is_shared[t[2]]);
+    has_surface.resize(solid.triangles.size());
+    for (const TriangleOnSurface& on : solid.on_surface) has_surface[on.triangle] = 1;
   }
 
   // Where the ray passes the box; nullopt if it does not.
@@ -123,17 +126,21 @@ struct RayCaster::Scene {
     const Vec3& corner = solid.vertices[solid.triangles[triangle][0]];
     const double t =
         is_plane ? (face.d_mm - normal.dot(origin)) / closing : normal.dot(corner - origin) / closing;
-    return Crossing{t, triangle, closing < 0};
+    return Crossing{t, triangle, closing < 0, Vec3::Zero()};
   }
 
   // A hit on a triangle of a curved face stands for the crossing of the true surface that goes the same way,
   // with none the other way between the two; it is dropped if that one is known. It is kept at the rim of a
   // face, within a chord's height of its edge, where the true crossing belongs to nobody.
-  bool is_represented(const Crossing& hit, const std::vector<Crossing>& known) const {
+  // What Newton's steps have not found of a free-form surface is there only where the ray is too steep for
+  // it to be missed.
+  bool is_represented(const Crossing& hit, const Vec3& direction, const std::vector<Crossing>& known) const {
     const uint32_t face = solid.triangle_face[hit.triangle];
     // Away from any rim every true crossing is known; a triangle that stands out of a saddle is met by rays
     // that pass it.
-    if (is_solved[face] && !is_at_rim[hit.triangle]) return true;
+    const bool is_certain =
+        is_solved[face] || (has_surface[hit.triangle] && is_flat(triangle_normal(hit.triangle), direction));
+    if (is_certain && !is_at_rim[hit.triangle]) return true;
     const auto is_own = [&](const Crossing& c) { return solid.triangle_face[c.triangle] == face; };
     return std::any_of(known.begin(), known.end(), [&](const Crossing& same) {
       if (!is_own(same) || same.is_entering != hit.is_entering) return false;
@@ -156,6 +163,7 @@ struct RayCaster::Scene {
     hit.point_mm = origin + crossing.t * direction;
     hit.face = static_cast<int>(solid.triangle_face[crossing.triangle]);
     hit.normal = surface_normal(face_of(crossing.triangle), hit.point_mm);
+    if (hit.normal.isZero()) hit.normal = crossing.normal;
     if (hit.normal.isZero()) hit.normal = triangle_normal(crossing.triangle).normalized();
     return hit;
   }
@@ -200,7 +208,7 @@ struct RayCaster::Scene {
     const bool has_best = best != known.end();
     while (next && (!has_best || start + next->t <= best->t + rounding)) {
       const auto hit = crossing_at(origin, direction, next->triangle);
-      if (hit && counts(*hit) && !is_represented(*hit, known))
+      if (hit && counts(*hit) && !is_represented(*hit, direction, known))
         return has_best && best->t <= hit->t ? *best : *hit;
       const double near = next->t + rounding;
       if (span->second - start <= near) break;
@@ -227,7 +235,7 @@ struct RayCaster::Scene {
     std::vector<Crossing> crossings = known;
     for (const uint32_t triangle : candidates) {
       const auto hit = crossing_at(origin, direction, triangle);
-      if (hit && !is_represented(*hit, known)) crossings.push_back(*hit);
+      if (hit && !is_represented(*hit, direction, known)) crossings.push_back(*hit);
     }
     std::stable_sort(crossings.begin(), crossings.end(),
                      [](const Crossing& a, const Crossing& b) { return a.t < b.t; });

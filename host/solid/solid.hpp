@@ -5,6 +5,7 @@
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "host/base/result.hpp"
 #include "host/geometry/face.hpp"
 #include "host/geometry/rigid_transform.hpp"
+#include "host/solid/parametric_surface.hpp"
 
 namespace tetragauge {
 
@@ -30,6 +32,11 @@ struct Solid {
   std::vector<Vec3> vertices;  // mm
   std::vector<std::array<uint32_t, 3>> triangles;
   std::vector<uint32_t> triangle_face;  // index into list.faces
+
+  // Of STEP's free-form faces the true surfaces, and which piece of one lies under each of their triangles
+  // (ascending).
+  std::vector<std::shared_ptr<const ParametricSurface>> surfaces;
+  std::vector<TriangleOnSurface> on_surface;
 
   double volume_mm3 = 0, area_mm2 = 0;
   Vec3 centroid_mm = Vec3::Zero();

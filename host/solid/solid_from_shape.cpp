@@ -134,6 +134,8 @@ Result<Solid> solid_from_shape(const TopoDS_Shape& shape, const std::string& pla
   solid.vertices = std::move(tessellation.vertices);
   solid.triangles = std::move(tessellation.triangles);
   solid.triangle_face = std::move(tessellation.triangle_face);
+  solid.surfaces = std::move(tessellation.surfaces);
+  solid.on_surface = std::move(tessellation.on_surface);
   add_box(solid);
   return solid;
 }

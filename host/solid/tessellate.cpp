@@ -12,15 +12,22 @@
 #include <map>
 #include <numeric>
 
+#include "host/solid/kernel_surface.hpp"
+#include "host/solid/surface_crossings.hpp"
+
 namespace tetragauge {
 namespace {
 
 // Small radii get at least 18 chords a turn, whatever the deviation allows: ray candidates need a shape.
 constexpr double kAngularDeflection_rad = 0.35;
 
+constexpr uint32_t kNoSurface = 0xFFFFFFFFu;
+
 struct Triangle {
   std::array<Vec3, 3> corners;
   uint32_t face;
+  uint32_t surface;  // of a free-form face
+  std::array<SurfaceParameters, 3> parameters{};
 };
 
 bool less(const Vec3& a, const Vec3& b) {
@@ -28,7 +35,8 @@ bool less(const Vec3& a, const Vec3& b) {
 }
 
 // Appends the triangles of one patch; false if it has none.
-bool add_triangles(const TopoDS_Face& shape, uint32_t face, std::vector<Triangle>& triangles) {
+bool add_triangles(const TopoDS_Face& shape, uint32_t face, uint32_t surface,
+                   std::vector<Triangle>& triangles) {
   TopLoc_Location location;
   const Handle(Poly_Triangulation) mesh = BRep_Tool::Triangulation(shape, location);
   if (mesh.IsNull() || mesh->NbTriangles() == 0) return false;
@@ -38,16 +46,21 @@ bool add_triangles(const TopoDS_Face& shape, uint32_t face, std::vector<Triangle
     int a = 0, b = 0, c = 0;
     mesh->Triangle(i).Get(a, b, c);
     if (is_reversed) std::swap(b, c);
-    Triangle triangle{{}, face};
+    Triangle triangle{{}, face, mesh->HasUVNodes() ? surface : kNoSurface};
     size_t k = 0;
     for (const int node : {a, b, c}) {
       const gp_Pnt p = mesh->Node(node).Transformed(T);
+      if (triangle.surface != kNoSurface) {
+        const gp_Pnt2d uv = mesh->UVNode(node);
+        triangle.parameters[k] = {uv.X(), uv.Y()};
+      }
       triangle.corners[k++] = Vec3(p.X(), p.Y(), p.Z());
     }
     // Each triangle begins at its least corner, so that equal triangles have equal bytes.
-    std::rotate(triangle.corners.begin(),
-                std::min_element(triangle.corners.begin(), triangle.corners.end(), less),
-                triangle.corners.end());
+    const auto least = std::min_element(triangle.corners.begin(), triangle.corners.end(), less);
+    std::rotate(triangle.parameters.begin(), triangle.parameters.begin() + (least - triangle.corners.begin()),
+                triangle.parameters.end());
+    std::rotate(triangle.corners.begin(), least, triangle.corners.end());
     triangles.push_back(triangle);
   }
   return true;
@@ -114,7 +127,12 @@ Tessellation tessellate(const ListedFaces& faces, double chordal_deviation_mm) {
   std::vector<Triangle> triangles;
   for (size_t i = 0; i < faces.patches.size(); ++i) {
     for (const TopoDS_Face& patch : faces.patches[i]) {
-      result.is_complete &= add_triangles(patch, static_cast<uint32_t>(i), triangles);
+      uint32_t surface = kNoSurface;
+      if (!has_crossings(faces.list.faces[i])) {
+        surface = static_cast<uint32_t>(result.surfaces.size());
+        result.surfaces.push_back(kernel_surface(patch));
+      }
+      result.is_complete &= add_triangles(patch, static_cast<uint32_t>(i), surface, triangles);
     }
   }
   std::stable_sort(triangles.begin(), triangles.end(), is_before);
@@ -124,6 +142,10 @@ Tessellation tessellate(const ListedFaces& faces, double chordal_deviation_mm) {
   for (size_t i = 0; i < triangles.size(); ++i) {
     const std::array<uint32_t, 3> t{index[3 * i], index[3 * i + 1], index[3 * i + 2]};
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
+    if (triangles[i].surface != kNoSurface) {
+      result.on_surface.push_back(
+          {static_cast<uint32_t>(result.triangles.size()), triangles[i].surface, triangles[i].parameters});
+    }
     result.triangles.push_back(t);
     result.triangle_face.push_back(triangles[i].face);
   }

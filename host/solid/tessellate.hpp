@@ -11,6 +11,8 @@ struct Tessellation {
   std::vector<Vec3> vertices;  // mm
   std::vector<std::array<uint32_t, 3>> triangles;
   std::vector<uint32_t> triangle_face;
+  std::vector<std::shared_ptr<const ParametricSurface>> surfaces;  // as in Solid
+  std::vector<TriangleOnSurface> on_surface;
   bool is_complete = true;  // every face has triangles
   bool is_closed = true;    // every edge is run as often one way as the other
 };

@@ -2,6 +2,28 @@
 #include "host/solid/solid.hpp"
 
 namespace tetragauge {
+namespace {
+
+class TransformedSurface : public ParametricSurface {
+ public:
+  TransformedSurface(std::shared_ptr<const ParametricSurface> surface, const RigidTransform& T)
+      : surface_(std::move(surface)), T_(T) {}
+  SurfacePoint at(const SurfaceParameters& uv) const override {
+    const SurfacePoint own = surface_->at(uv);
+    return {T_ * own.point_mm, T_.R * own.du, T_.R * own.dv};
+  }
+
+ private:
+  std::shared_ptr<const ParametricSurface> surface_;
+  RigidTransform T_;
+};
+
+}  // namespace
+
+std::shared_ptr<const ParametricSurface> transformed(std::shared_ptr<const ParametricSurface> surface,
+                                                     const RigidTransform& T) {
+  return std::make_shared<TransformedSurface>(std::move(surface), T);
+}
 
 Solid transformed(const Solid& solid, const RigidTransform& T) {
   Solid result = solid;
@@ -20,6 +42,7 @@ Solid transformed(const Solid& solid, const RigidTransform& T) {
     }
   }
   for (Vec3& p : result.vertices) p = T * p;
+  for (auto& surface : result.surfaces) surface = transformed(surface, T);
   result.centroid_mm = T * solid.centroid_mm;
   result.box_min_mm = result.box_max_mm = result.vertices.empty() ? T.t : result.vertices[0];
   for (const Vec3& p : result.vertices) {
