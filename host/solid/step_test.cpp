@@ -102,6 +102,8 @@ TEST_P(StepFile, HasTheKnownFacesAndUnit) {
   if (!part.extent_mm.isZero()) {
     EXPECT_LT((solid->box_max_mm - solid->box_min_mm - part.extent_mm).cwiseAbs().maxCoeff(), 0.01);
   }
+  for (const std::string& warning : solid->warnings)
+    EXPECT_EQ(warning.find("do not close"), std::string::npos) << warning;
   // Two ways to the volume that share nothing but the shape.
   EXPECT_NEAR(volume_of_triangles(*solid), solid->volume_mm3, 0.02 * solid->area_mm2);
   // Equations are outward: a little along a plane's normal from an own triangle is further from the material.

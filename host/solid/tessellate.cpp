@@ -9,9 +9,9 @@
 #include <TopLoc_Location.hxx>
 #include <TopoDS_Compound.hxx>
 #include <algorithm>
-#include <map>
 #include <numeric>
 
+#include "host/solid/close_pinches.hpp"
 #include "host/solid/kernel_surface.hpp"
 #include "host/solid/surface_crossings.hpp"
 
@@ -75,6 +75,9 @@ bool is_before(const Triangle& a, const Triangle& b) {
 // Corners that two faces hold of one point of their common edge differ by rounding at most.
 constexpr double kWeld_mm = 1e-7;
 
+// Where triangles do not close, vertices may move by this share of the chordal deviation.
+constexpr double kPinchShare = 0.25;
+
 // Numbers the corners: index of the representative for each.
 std::vector<uint32_t> weld(const std::vector<Vec3>& corners, std::vector<Vec3>& vertices) {
   std::vector<size_t> order(corners.size());
@@ -100,15 +103,12 @@ std::vector<uint32_t> weld(const std::vector<Vec3>& corners, std::vector<Vec3>& 
   return index;
 }
 
-bool is_closed(const std::vector<std::array<uint32_t, 3>>& triangles) {
-  std::map<std::pair<uint32_t, uint32_t>, int> balance;
-  for (const auto& t : triangles) {
-    for (size_t k = 0; k < 3; ++k) {
-      const uint32_t a = t[k], b = t[(k + 1) % 3];
-      balance[std::minmax(a, b)] += a < b ? 1 : -1;
-    }
-  }
-  return std::all_of(balance.begin(), balance.end(), [](const auto& edge) { return edge.second == 0; });
+using Indices = std::array<uint32_t, 3>;
+
+std::vector<Indices> triangles_of(const std::vector<uint32_t>& index) {
+  std::vector<Indices> result;
+  for (size_t i = 0; i < index.size(); i += 3) result.push_back({index[i], index[i + 1], index[i + 2]});
+  return result;
 }
 
 }  // namespace
@@ -138,9 +138,18 @@ Tessellation tessellate(const ListedFaces& faces, double chordal_deviation_mm) {
   std::stable_sort(triangles.begin(), triangles.end(), is_before);
   std::vector<Vec3> corners;
   for (const Triangle& t : triangles) corners.insert(corners.end(), t.corners.begin(), t.corners.end());
-  const std::vector<uint32_t> index = weld(corners, result.vertices);
+  std::vector<Indices> indices = triangles_of(weld(corners, result.vertices));
+  result.is_closed = is_closed(indices);
+  if (!result.is_closed) {
+    const std::vector<uint32_t> vertex =
+        close_pinches(result.vertices, indices, kPinchShare * chordal_deviation_mm);
+    result.is_closed = !vertex.empty();
+    for (Indices& t : indices) {
+      for (uint32_t& v : t) v = vertex.empty() ? v : vertex[v];
+    }
+  }
   for (size_t i = 0; i < triangles.size(); ++i) {
-    const std::array<uint32_t, 3> t{index[3 * i], index[3 * i + 1], index[3 * i + 2]};
+    const Indices& t = indices[i];
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
     if (triangles[i].surface != kNoSurface) {
       result.on_surface.push_back(
@@ -149,7 +158,6 @@ Tessellation tessellate(const ListedFaces& faces, double chordal_deviation_mm) {
     result.triangles.push_back(t);
     result.triangle_face.push_back(triangles[i].face);
   }
-  result.is_closed = is_closed(result.triangles);
   return result;
 }
 
