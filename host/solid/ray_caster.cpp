@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "host/solid/curved_faces.hpp"
+#include "host/solid/order_crossings.hpp"
 #include "host/solid/shoot_ray.hpp"
 #include "host/solid/surface_crossings.hpp"
 
@@ -41,7 +42,6 @@ struct RayCaster::Scene {
   CurvedFaces curved;
   std::vector<char> is_solved;    // by face: curved, and its crossings known from its equation
   std::vector<char> has_surface;  // by triangle: of a free-form face whose surface is known
-  std::vector<char> is_at_rim;    // by triangle: a corner of it belongs to another face too
 
   explicit Scene(const Solid& model)
       : solid(model),
@@ -51,7 +51,7 @@ struct RayCaster::Scene {
         diagonal_mm(std::max(2 * half.norm(), 1e-6)),
         curved(device.handle, solid, centre) {
     half += Vec3::Constant(1e-3 * diagonal_mm);
-    find_rims();
+    find_curved();
     rtcSetSceneFlags(triangles, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST |
                                                            RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
     // Spatial splits of the high quality would report a triangle twice.
@@ -71,21 +71,9 @@ struct RayCaster::Scene {
   }
   ~Scene() { rtcReleaseScene(triangles); }
 
-  void find_rims() {
-    for (const Face& face : solid.faces()) {
+  void find_curved() {
+    for (const Face& face : solid.faces())
       is_solved.push_back(has_crossings(face) && face.type != SurfaceType::plane);
-    }
-    constexpr uint32_t kNone = 0xFFFFFFFFu;
-    std::vector<uint32_t> face_of_vertex(solid.vertices.size(), kNone);
-    std::vector<char> is_shared(solid.vertices.size());
-    for (size_t i = 0; i < solid.triangles.size(); ++i) {
-      for (const uint32_t v : solid.triangles[i]) {
-        is_shared[v] |= face_of_vertex[v] != kNone && face_of_vertex[v] != solid.triangle_face[i];
-        face_of_vertex[v] = solid.triangle_face[i];
-      }
-    }
-    for (const auto& t : solid.triangles)
-      is_at_rim.push_back(is_shared[t[0]] || is_shared[t[1]] || is_shared[t[2]]);
     has_surface.resize(solid.triangles.size());
     for (const TriangleOnSurface& on : solid.on_surface) has_surface[on.triangle] = 1;
   }
@@ -129,26 +117,16 @@ struct RayCaster::Scene {
     return Crossing{t, triangle, closing < 0, Vec3::Zero()};
   }
 
-  // A hit on a triangle of a curved face stands for the crossing of the true surface that goes the same way,
-  // with none the other way between the two; it is dropped if that one is known. It is kept at the rim of a
-  // face, within a chord's height of its edge, where the true crossing belongs to nobody.
-  // What Newton's steps have not found of a free-form surface is there only where the ray is too steep for
-  // it to be missed.
-  bool is_represented(const Crossing& hit, const Vec3& direction, const std::vector<Crossing>& known) const {
-    const uint32_t face = solid.triangle_face[hit.triangle];
-    // Away from any rim every true crossing is known; a triangle that stands out of a saddle is met by rays
-    // that pass it.
-    const bool is_certain =
-        is_solved[face] || (has_surface[hit.triangle] && is_flat(triangle_normal(hit.triangle), direction));
-    if (is_certain && !is_at_rim[hit.triangle]) return true;
-    const auto is_own = [&](const Crossing& c) { return solid.triangle_face[c.triangle] == face; };
-    return std::any_of(known.begin(), known.end(), [&](const Crossing& same) {
-      if (!is_own(same) || same.is_entering != hit.is_entering) return false;
-      const auto [low, high] = std::minmax(same.t, hit.t);
-      return std::none_of(known.begin(), known.end(), [&, low = low, high = high](const Crossing& other) {
-        return is_own(other) && other.is_entering != hit.is_entering && other.t > low && other.t < high;
-      });
-    });
+  bool is_curved(uint32_t triangle) const {
+    return is_solved[solid.triangle_face[triangle]] || has_surface[triangle];
+  }
+
+  // A line so flat that it has its crossing further off than the triangle is long meets another triangle
+  // there.
+  double reach_mm(uint32_t triangle) const {
+    const auto& t = solid.triangles[triangle];
+    const Vec3 &a = solid.vertices[t[0]], &b = solid.vertices[t[1]], &c = solid.vertices[t[2]];
+    return 2 * std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
   }
 
   std::vector<Crossing> curved_crossings(const Vec3& origin, const Vec3& direction,
@@ -204,25 +182,30 @@ struct RayCaster::Scene {
       if (hit && counts(*hit)) end = std::min(end, hit->t + rounding);
     }
     const std::vector<Crossing> known = curved_crossings(origin, direction, {span->first, end});
+    if (!next && known.empty()) return std::nullopt;
     const auto best = std::find_if(known.begin(), known.end(), counts);
-    const bool has_best = best != known.end();
-    while (next && (!has_best || start + next->t <= best->t + rounding)) {
-      const auto hit = crossing_at(origin, direction, next->triangle);
-      if (hit && counts(*hit) && !is_represented(*hit, direction, known))
-        return has_best && best->t <= hit->t ? *best : *hit;
-      const double near = next->t + rounding;
-      if (span->second - start <= near) break;
-      next = closest(query_start, direction, near, span->second - start);
+    const auto hit = next ? crossing_at(origin, direction, next->triangle) : std::nullopt;
+    if (hit && counts(*hit)) {
+      const bool is_first = best == known.end() || best->t > hit->t;
+      if (!is_curved(hit->triangle)) {
+        if (is_first) return hit;
+      } else if (best != known.end() && best->is_entering == hit->is_entering &&
+                 solid.triangle_face[best->triangle] == solid.triangle_face[hit->triangle] &&
+                 std::abs(best->t - hit->t) <= reach_mm(hit->triangle)) {
+        return *best;
+      }
     }
-    if (has_best) return *best;
+    // A ray that grazes, or comes by an edge.
+    for (const Crossing& crossing : all_crossings(origin, direction)) {
+      if (counts(crossing)) return crossing;
+    }
     return std::nullopt;
   }
 
-  // Every crossing of the whole line, ascending.
+  // Every crossing of the whole line, ascending, in and out by turns.
   std::vector<Crossing> all_crossings(const Vec3& origin, const Vec3& direction) const {
     const auto span = clip(origin, direction);
     if (!span) return {};
-    const std::vector<Crossing> known = curved_crossings(origin, direction, *span);
     std::vector<uint32_t> candidates;
     GatheringContext gathering{{}, &candidates};
     rtcInitIntersectContext(&gathering.context);
@@ -232,14 +215,16 @@ struct RayCaster::Scene {
     rtcIntersect1(triangles, &gathering.context, &query);
     std::sort(candidates.begin(), candidates.end());
     candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
-    std::vector<Crossing> crossings = known;
+    std::vector<TriangleCrossing> hits;
     for (const uint32_t triangle : candidates) {
       const auto hit = crossing_at(origin, direction, triangle);
-      if (hit && !is_represented(*hit, direction, known)) crossings.push_back(*hit);
+      if (hit) {
+        hits.push_back(
+            {*hit, is_curved(triangle), is_flat(triangle_normal(triangle), direction), reach_mm(triangle)});
+      }
     }
-    std::stable_sort(crossings.begin(), crossings.end(),
-                     [](const Crossing& a, const Crossing& b) { return a.t < b.t; });
-    return crossings;
+    return order_crossings(solid, std::move(hits), curved_crossings(origin, direction, *span),
+                           kFloatShare * diagonal_mm);
   }
 };
 
