@@ -5,7 +5,9 @@
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -60,11 +62,15 @@ std::vector<PointSet> point_sets() {
   return sets;
 }
 
+// Some seconds' worth: how often a terminal hears how far it has got.
+constexpr size_t kRaysToNews = 1000000;
+
 struct Count {
   size_t walked = 0, lost = 0, steps = 0;
 };
 
-Count walk_many(const Tetrahedra& tetrahedra, size_t rays, uint32_t set) {
+// The rays numbered first to last - 1.
+Count walk_many(const Tetrahedra& tetrahedra, size_t first, size_t last, uint32_t set) {
   struct Local {
     RayWalker walker;
     Walk walk;
@@ -72,35 +78,36 @@ Count walk_many(const Tetrahedra& tetrahedra, size_t rays, uint32_t set) {
   };
   tbb::enumerable_thread_specific<Local> locals([&] { return Local{RayWalker(tetrahedra), {}, {}}; });
   const size_t n = tetrahedra.vertices.size();
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, rays, 4096), [&](const tbb::blocked_range<size_t>& range) {
-    Local& local = locals.local();
-    for (size_t k = range.begin(); k < range.end(); ++k) {
-      // A pure function of the ray's number: the same rays for any number of threads.
-      std::minstd_rand generator(static_cast<uint32_t>(k * 2654435761u + set));
-      const auto pick = [&] { return tetrahedra.vertices[generator() % n]; };
-      const auto start = static_cast<uint32_t>(generator() % n);
-      const Vec3& p = tetrahedra.vertices[start];
-      // Through another vertex, the middle of two, in line with the axes, or anywhere.
-      Vec3 target = pick();
-      switch (k % 4) {
-        case 0:
-          target = p + 3 * (target - p);
-          break;
-        case 1:
-          target = p + 8 * (0.5 * (target + pick()) - p);
-          break;
-        case 2:
-          target = p + (k % 8 < 4 ? 1000.0 : -1000.0) * Vec3::Unit(static_cast<int>(k / 8 % 3));
-          break;
-        default:
-          target += 1e-3 * pick();
-      }
-      local.walker.walk(start, target, local.walk);
-      ++local.count.walked;
-      local.count.steps += local.walk.steps.size();
-      if (local.walk.end == Walk::End::lost) ++local.count.lost;
-    }
-  });
+  tbb::parallel_for(
+      tbb::blocked_range<size_t>(first, last, 4096), [&](const tbb::blocked_range<size_t>& range) {
+        Local& local = locals.local();
+        for (size_t k = range.begin(); k < range.end(); ++k) {
+          // A pure function of the ray's number: the same rays for any number of threads.
+          std::minstd_rand generator(static_cast<uint32_t>(k * 2654435761u + set));
+          const auto pick = [&] { return tetrahedra.vertices[generator() % n]; };
+          const auto start = static_cast<uint32_t>(generator() % n);
+          const Vec3& p = tetrahedra.vertices[start];
+          // Through another vertex, the middle of two, in line with the axes, or anywhere.
+          Vec3 target = pick();
+          switch (k % 4) {
+            case 0:
+              target = p + 3 * (target - p);
+              break;
+            case 1:
+              target = p + 8 * (0.5 * (target + pick()) - p);
+              break;
+            case 2:
+              target = p + (k % 8 < 4 ? 1000.0 : -1000.0) * Vec3::Unit(static_cast<int>(k / 8 % 3));
+              break;
+            default:
+              target += 1e-3 * pick();
+          }
+          local.walker.walk(start, target, local.walk);
+          ++local.count.walked;
+          local.count.steps += local.walk.steps.size();
+          if (local.walk.end == Walk::End::lost) ++local.count.lost;
+        }
+      });
   Count total;
   for (const Local& local : locals) {
     total.walked += local.count.walked;
@@ -112,6 +119,7 @@ Count walk_many(const Tetrahedra& tetrahedra, size_t rays, uint32_t set) {
 
 int run(size_t rays) {
   const std::vector<PointSet> sets = point_sets();
+  const bool is_watched = isatty(STDERR_FILENO);
   size_t walked = 0, lost = 0;
   std::printf("%-18s %8s %12s %14s %10s %8s\n", "set", "points", "rays", "cells crossed", "rays_lost", "s");
   for (uint32_t s = 0; s < sets.size(); ++s) {
@@ -121,7 +129,17 @@ int run(size_t rays) {
       return 70;
     }
     const auto start = std::chrono::steady_clock::now();
-    const Count count = walk_many(*tetrahedra, rays / sets.size() + 1, s);
+    Count count;
+    const size_t own = rays / sets.size() + 1;
+    for (size_t first = 0; first < own; first += kRaysToNews) {
+      const Count some = walk_many(*tetrahedra, first, std::min(own, first + kRaysToNews), s);
+      count.walked += some.walked;
+      count.lost += some.lost;
+      count.steps += some.steps;
+      if (is_watched)
+        std::fprintf(stderr, "\r%s: %zu of %zu rays, %zu lost ", sets[s].name, count.walked, own, count.lost);
+    }
+    if (is_watched) std::fprintf(stderr, "\r%60s\r", "");
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     std::printf("%-18s %8zu %12zu %14zu %10zu %8.1f\n", sets[s].name, sets[s].points.size(), count.walked,
                 count.steps, count.lost, seconds);
