@@ -12,6 +12,21 @@ void InputOptions::add_scan(CLI::App& command) {
   command.add_option("scan", scan, "Scan: .ply with rays, or a cloud (.ply .pcd .xyz .csv)")
       ->required()
       ->type_name("SCAN");
+  complete_scan(command);
+}
+
+void InputOptions::add_scans(CLI::App& command, std::vector<std::string>& scans) {
+  command
+      .add_option(
+          "scan", scans,
+          "Scans: .ply with rays, or clouds (.ply .pcd .xyz .csv); several of one part, turned over between "
+          "them, are judged together")
+      ->required()
+      ->type_name("SCAN");
+  complete_scan(command);
+}
+
+void InputOptions::complete_scan(CLI::App& command) {
   command
       .add_option("--ray-origin", ray_origin,
                   "Clouds without rays: where the sensor stood, in the scan's unit")
@@ -45,7 +60,7 @@ void InputOptions::add_unit(CLI::App& command) {
     command.add_option("--model-unit", model_unit, "Unit of the model alone");
 }
 
-Result<Scan> InputOptions::read_scan(const Console& console) const {
+Result<Scan> InputOptions::read_scan(const Console& console, const std::string& path) const {
   ReadScanOptions options;
   const std::string& said = scan_unit.empty() ? unit : scan_unit;
   if (!said.empty()) {
@@ -66,8 +81,8 @@ Result<Scan> InputOptions::read_scan(const Console& console) const {
     options.ray_direction = *direction;
   }
   if (sigma_mm > 0) options.sigma_mm = sigma_mm;
-  Result<Scan> read = tetragauge::read_scan(scan, options);
-  if (read) console.say(scan + ": " + std::to_string(read->size()) + " points");
+  Result<Scan> read = tetragauge::read_scan(path, options);
+  if (read) console.say(path + ": " + std::to_string(read->size()) + " points");
   return read;
 }
 

@@ -22,15 +22,21 @@ struct InputOptions {
   bool keep_facets = false;
 
   void add_scan(CLI::App& command);
+  // Several of one part, each in a set-up of its own.
+  void add_scans(CLI::App& command, std::vector<std::string>& scans);
   void add_model(CLI::App& command);
   void add_facets(CLI::App& command);
   // --unit, and what of --scan-unit, --model-unit goes with the inputs added before
   void add_unit(CLI::App& command);
 
-  Result<Scan> read_scan(const Console& console) const;
+  Result<Scan> read_scan(const Console& console) const { return read_scan(console, scan); }
+  Result<Scan> read_scan(const Console& console, const std::string& path) const;
   Result<Solid> read_model(const Console& console) const;
   // mm per unit said for the model, if any.
   Result<double> model_unit_mm() const;
+
+ private:
+  void complete_scan(CLI::App& command);
 };
 
 // "X,Y,Z"; a usage error names `option`.

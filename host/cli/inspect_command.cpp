@@ -6,26 +6,32 @@ namespace tetragauge::cli {
 void add_inspect(CLI::App& app, Console& console, Run& run) {
   struct Options {
     InputOptions input;
+    std::vector<std::string> scans;
     InspectArguments inspect;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = add_command(app, console, "inspect", "Scan and model in, verdict out");
-  options->input.add_scan(*command);
+  CLI::App* command = add_command(app, console, "inspect", "Scans and model in, verdict out");
+  options->input.add_scans(*command, options->scans);
   options->input.add_model(*command);
   options->input.add_unit(*command);
   options->inspect.add(*command);
   command->callback([options, &console, &run] {
     run = [options, &console]() -> Result<int> {
       const InputOptions& input = options->input;
-      if (Status status = options->inspect.prepare_folder(console, {input.scan, input.model}); !status)
-        return status.error();
+      std::vector<std::string> inputs = options->scans;
+      inputs.push_back(input.model);
+      if (Status status = options->inspect.prepare_folder(console, inputs); !status) return status.error();
       Result<Solid> model = input.read_model(console);
       if (!model) return model.error();
       Result<Tolerances> tolerances = options->inspect.read_limits(*model);
       if (!tolerances) return tolerances.error();
-      Result<Scan> scan = input.read_scan(console);
-      if (!scan) return scan.error();
-      return options->inspect.run(console, *scan, input.scan, *model, input.model, *tolerances);
+      std::vector<Scan> scans;
+      for (const std::string& path : options->scans) {
+        Result<Scan> scan = input.read_scan(console, path);
+        if (!scan) return scan.error();
+        scans.push_back(std::move(*scan));
+      }
+      return options->inspect.run(console, scans, options->scans, *model, input.model, *tolerances);
     };
   });
 }

@@ -21,11 +21,10 @@ Result<std::string> sha256_of(const std::string& path) {
 void InspectArguments::add(CLI::App& command) {
   command.add_option("--tolerances", tolerances, "Tolerance file (JSON); without one there is no verdict")
       ->type_name("T.json");
-  command.add_option("--out", out, "Folder for report.json, report.txt, deviation.ply")
+  command.add_option("--out", out, "Folder for report.txt, report.json, faces.csv, deviation.ply")
       ->required()
       ->type_name("DIR")
       ->check(not_empty());
-  using Rule = InspectOptions::Rule;
   command.add_option("--rule", inspect.rule, "Decision rule: guarded, iso14253-1:2017 or simple")
       ->transform(CLI::CheckedTransformer(std::map<std::string, Rule>{{"guarded", Rule::guarded},
                                                                       {"iso14253-1:2017", Rule::iso14253},
@@ -44,8 +43,7 @@ Status InspectArguments::prepare_folder(const Console& console, std::vector<std:
                        (code ? ": " + code.message() : ": no permission to write in it"));
   }
   std::vector<std::string> outputs;
-  for (const char* name : {"report.json", "report.txt", "deviation.ply"})
-    outputs.push_back((std::filesystem::path(out) / name).string());
+  for (const char* name : kReportFiles) outputs.push_back((std::filesystem::path(out) / name).string());
   for (const std::string& name : more_files) outputs.push_back((std::filesystem::path(out) / name).string());
   inputs.push_back(tolerances);
   return check_outputs(console, outputs, inputs);
@@ -56,28 +54,24 @@ Result<Tolerances> InspectArguments::read_limits(const Solid& model) const {
   return read_tolerances(tolerances, model.list);
 }
 
-Result<int> InspectArguments::run(const Console& console, const Scan& scan, const std::string& scan_path,
-                                  const Solid& model, const std::string& model_path,
-                                  const Tolerances& limits) const {
-  Result<InspectionRun> inspection = tetragauge::inspect(scan, model, limits, inspect);
+Result<int> InspectArguments::run(const Console& console, std::span<const Scan> scans,
+                                  const std::vector<std::string>& scan_paths, const Solid& model,
+                                  const std::string& model_path, const Tolerances& limits) const {
+  Result<InspectionRun> inspection = tetragauge::inspect(scans, model, limits, inspect);
   if (!inspection) return inspection.error();
-  ReportInput input;
-  input.scan_name = scan_path;
-  input.model_name = model_path;
-  input.tolerances_name = tolerances;
-  for (auto [name, hash] :
-       {std::pair{&input.scan_name, &input.scan_sha256}, std::pair{&input.model_name, &input.model_sha256},
-        std::pair{&input.tolerances_name, &input.tolerances_sha256}}) {
-    if (name->empty()) continue;
-    Result<std::string> sha = sha256_of(*name);
+  Report report{*inspection, scans, model, limits, {}, {model_path, ""}, {tolerances, ""}};
+  for (const std::string& path : scan_paths) report.scan_files.push_back({path, ""});
+  std::vector<ReportFile*> files{&report.model_file, &report.tolerances_file};
+  for (ReportFile& file : report.scan_files) files.push_back(&file);
+  for (ReportFile* file : files) {
+    if (file->name.empty()) continue;
+    Result<std::string> sha = sha256_of(file->name);
     if (!sha) return sha.error();
-    *hash = *sha;
+    file->sha256 = *sha;
   }
-  if (Status status = write_report(out, *inspection, scan, model, limits, input); !status)
-    return status.error();
-  if (Status status = console.put_json(report_json(*inspection, scan, model, limits, input)); !status)
-    return status.error();
-  console.print(report_text(*inspection, scan, model, limits, input));
+  if (Status status = write_report(out, report); !status) return status.error();
+  if (Status status = console.put_json(report_json(report)); !status) return status.error();
+  console.print(report_text(report));
   console.say("report: " + (std::filesystem::path(out) / "report.txt").string());
   return exit_code(inspection->inspection.verdict);
 }

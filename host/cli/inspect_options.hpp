@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// From a scan to the report: what `inspect` and `measure` share.
+// From scans to the report: what `inspect` and `measure` share.
 #pragma once
 
+#include <span>
 #include <string>
+#include <vector>
 
 #include "host/cli/input_options.hpp"
 #include "host/inspect/inspect.hpp"
@@ -24,7 +26,8 @@ struct InspectArguments {
 
   // Inspects, writes the report into `out`, prints report.txt, puts report.json where --json asked. The exit
   // code.
-  Result<int> run(const Console& console, const Scan& scan, const std::string& scan_path, const Solid& model,
+  Result<int> run(const Console& console, std::span<const Scan> scans,
+                  const std::vector<std::string>& scan_paths, const Solid& model,
                   const std::string& model_path, const Tolerances& tolerances) const;
 };
 

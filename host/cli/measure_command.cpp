@@ -36,8 +36,8 @@ void add_measure(CLI::App& app, Console& console, Run& run) {
       if (!tolerances) return tolerances.error();
       Result<MeasuredScan> measured = options->scan.measure(console);
       if (!measured) return measured.error();
-      return options->inspect.run(console, measured->scan, scan_path, *model, options->input.model,
-                                  *tolerances);
+      return options->inspect.run(console, std::span(&measured->scan, 1), {scan_path}, *model,
+                                  options->input.model, *tolerances);
     };
   });
 }

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/solid/surface_crossings.hpp"
+
 namespace tetragauge {
 namespace {
 
@@ -35,10 +37,9 @@ CastScan cast_scan(const Scan& scan, const Solid& model, const RayCaster& caster
     out.hit_mm[i] = hit->point_mm;
     out.beyond_mm[i] = range - hit->distance_mm;
     out.sigma_mm[i] = sigma * std::max(kLeastCosine, std::abs(hit->normal.dot(direction)));
-    // No closed form for a torus or a free-form surface: to its tangent plane at the hit.
-    const bool to_tangent = face.type == SurfaceType::torus || face.type == SurfaceType::other;
+    // A free-form surface has no closed form: to its tangent plane at the hit.
     out.deviation_mm[i] =
-        to_tangent ? hit->normal.dot(point - hit->point_mm) : distance_to_surface(face, point);
+        has_crossings(face) ? distance_to_surface(face, point) : hit->normal.dot(point - hit->point_mm);
   });
   return out;
 }

@@ -80,13 +80,12 @@ double spacing_of(const std::vector<Ray>& rays) {
 
 // Points of the measured faces that were matched to `face`, whose rays should have met something else or
 // nothing: the part's face goes on where the model's ends, over a hole that was not made for instance.
-std::vector<uint32_t> beyond_its_edge(const Solid& model, const MeasuredFaces& measured, const CastScan& cast,
-                                      const Match& match, const Face& face) {
+std::vector<uint32_t> beyond_its_edge(const Solid& model, const JoinedScan& joined, const Face& face) {
   std::vector<uint32_t> beyond;
-  for (const FacePair& pair : match.pairs) {
-    if (pair.model != face.id) continue;
-    for (const uint32_t i : measured.face_points[static_cast<size_t>(pair.measured) - 1]) {
-      const int met = cast.face[i];
+  for (const MeasuredPatch& patch : joined.patches) {
+    if (patch.model_id != face.id) continue;
+    for (const uint32_t i : patch.points) {
+      const int met = joined.cast.face[i];
       if (met < 0 || model.faces()[static_cast<size_t>(met)].surface != face.surface) beyond.push_back(i);
     }
   }
@@ -140,10 +139,11 @@ void add_faults(const std::vector<Ray>& rays, const RayGrid& grid, int kind, int
 
 }  // namespace
 
-void find_material_faults(const Solid& model, const MeasuredFaces& measured, const CastScan& cast,
+void find_material_faults(const Solid& model, const JoinedScan& joined,
                           const std::vector<FaceOutline>& outlines, const Tolerances& tolerances,
                           Inspection& inspection) {
-  if (!inspection.match.undetermined.empty()) return;
+  if (!joined.is_determined) return;
+  const CastScan& cast = joined.cast;
   std::vector<std::vector<uint32_t>> rays_of_face(model.faces().size());
   for (uint32_t i = 0; i < cast.face.size(); ++i)
     if (cast.face[i] >= 0) rays_of_face[static_cast<size_t>(cast.face[i])].push_back(i);
@@ -163,7 +163,7 @@ void find_material_faults(const Solid& model, const MeasuredFaces& measured, con
       rays.push_back({cast.hit_mm[i], std::abs(cast.deviation_mm[i]), missed});
       sigma_mm = std::max(sigma_mm, cast.sigma_mm[i]);
     }
-    for (const uint32_t i : beyond_its_edge(model, measured, cast, inspection.match, face)) {
+    for (const uint32_t i : beyond_its_edge(model, joined, face)) {
       const double depth_mm = cast.face[i] < 0 ? 0 : std::abs(cast.beyond_mm[i]);
       rays.push_back({cast.points_mm[i], depth_mm, 1});
     }

@@ -3,9 +3,8 @@
 // (they stop short), whatever its shape: a pocket, a hole, a boss that the model does not have.
 #pragma once
 
-#include "host/inspect/cast_scan.hpp"
 #include "host/inspect/face_outline.hpp"
-#include "host/inspect/inspect.hpp"
+#include "host/inspect/join_set_ups.hpp"
 
 namespace tetragauge {
 
@@ -15,7 +14,7 @@ namespace tetragauge {
 // be found for certain: `smallest_feature_mm`. Nothing is judged where the pose has a free direction: the
 // model could be moved there. Reads `inspection.faces`, fills `inspection.material_faults` and
 // `smallest_feature_mm`.
-void find_material_faults(const Solid& model, const MeasuredFaces& measured, const CastScan& cast,
+void find_material_faults(const Solid& model, const JoinedScan& joined,
                           const std::vector<FaceOutline>& outlines, const Tolerances& tolerances,
                           Inspection& inspection);
 

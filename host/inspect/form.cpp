@@ -2,6 +2,7 @@
 #include "host/inspect/form.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -32,37 +33,34 @@ double expected_range(size_t n) {
   return 2 * normal_quantile((k - 0.375) / (k + 0.25));
 }
 
-Form form_deviation(std::span<const Eigen::Vector2d> uv, std::span<const double> residual,
+Form form_deviation(std::span<const Vec3> place, std::span<const double> residual, double area_mm2,
                     double tolerance_mm) {
   Form form;
-  const double n = static_cast<double>(uv.size());
+  const double n = static_cast<double>(place.size());
   if (n < 2 * kLeastPoints) return form;
-  Eigen::Vector2d low = uv[0], high = uv[0];
+  Vec3 low = place[0];
   double squares = 0;
-  for (size_t k = 0; k < uv.size(); ++k) {
-    low = low.cwiseMin(uv[k]);
-    high = high.cwiseMax(uv[k]);
+  for (size_t k = 0; k < place.size(); ++k) {
+    low = low.cwiseMin(place[k]);
     squares += residual[k] * residual[k];
   }
-  const double box_mm2 = std::max(1e-12, (high - low).prod());
   // Two rounds: the noise is known only once form has been taken out of the cells.
   double noise = std::sqrt(squares / n);
-  std::map<std::pair<long, long>, Cell> cells;
+  std::map<std::array<long, 3>, Cell> cells;
   for (int round = 0; round < 2; ++round) {
     const double wanted = std::max(kLeastPoints, std::pow(20 * noise / tolerance_mm, 2));
-    // Twice the wanted points on average, as cells at a slanted boundary are partly empty; the box is an
-    // upper bound of the area that the points cover.
-    const double side = std::sqrt(2 * wanted * box_mm2 / n);
+    // Twice the wanted points on average, as cells at a slanted boundary are partly empty.
+    const double side = std::sqrt(2 * wanted * std::max(1e-12, area_mm2) / n);
     cells.clear();
-    for (size_t k = 0; k < uv.size(); ++k) {
-      const Eigen::Vector2d at = (uv[k] - low) / side;
-      Cell& cell = cells[{static_cast<long>(at.x()), static_cast<long>(at.y())}];
+    for (size_t k = 0; k < place.size(); ++k) {
+      const Vec3 at = (place[k] - low) / side;
+      Cell& cell = cells[{static_cast<long>(at.x()), static_cast<long>(at.y()), static_cast<long>(at.z())}];
       cell.sum += residual[k];
       cell.squares += residual[k] * residual[k];
       ++cell.count;
     }
     double within = 0, freedom = 0;
-    for (auto& [place, cell] : cells) {
+    for (auto& [at, cell] : cells) {
       within += std::max(0.0, cell.squares - cell.sum * cell.sum / cell.count);
       freedom += cell.count - 1;
     }
@@ -73,7 +71,7 @@ Form form_deviation(std::span<const Eigen::Vector2d> uv, std::span<const double>
   double variance = 0;
   form.highest_mm = -1e300;
   form.lowest_mm = 1e300;
-  for (const auto& [place, cell] : cells) {
+  for (const auto& [at, cell] : cells) {
     const double mean = cell.sum / cell.count;
     form.highest_mm = std::max(form.highest_mm, mean);
     form.lowest_mm = std::min(form.lowest_mm, mean);

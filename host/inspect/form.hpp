@@ -16,9 +16,10 @@ struct Form {
   size_t cells = 0;
 };
 
-// `uv`: place of each residual on the surface (mm). Cells hold enough points that their mean's noise is under
-// a twentieth of `tolerance_mm`, and at least 4.
-Form form_deviation(std::span<const Eigen::Vector2d> uv, std::span<const double> residual_mm,
+// `place`: of each residual on the surface, unrolled into the plane z = 0 or as it is in space (mm).
+// `area_mm2`: that the places cover, rather too large. Cells hold enough points that their mean's noise is
+// under a twentieth of `tolerance_mm`, and at least 4.
+Form form_deviation(std::span<const Vec3> place, std::span<const double> residual_mm, double area_mm2,
                     double tolerance_mm);
 
 // Expected range of n independent standard normal values (Blom, Statistical Estimates and Transformed

@@ -10,17 +10,18 @@ namespace tetragauge {
 namespace {
 
 struct Points {
-  std::vector<Eigen::Vector2d> uv;
+  std::vector<Vec3> place;
   std::vector<double> residual;
 };
 
 Points noisy(size_t n, double sigma, double bump_mm, std::mt19937_64& random) {
-  std::uniform_real_distribution<double> place(0, 50);
+  std::uniform_real_distribution<double> along(0, 50);
   std::normal_distribution<double> normal;
   Points points;
   for (size_t k = 0; k < n; ++k) {
-    points.uv.emplace_back(place(random), place(random));
-    const bool inside = points.uv.back().x() > 10 && points.uv.back().x() < 30 && points.uv.back().y() < 25;
+    points.place.emplace_back(along(random), along(random), 0);
+    const bool inside =
+        points.place.back().x() > 10 && points.place.back().x() < 30 && points.place.back().y() < 25;
     points.residual.push_back(sigma * normal(random) + (inside ? bump_mm : 0.0));
   }
   return points;
@@ -41,7 +42,7 @@ TEST(Form, NoiseIsNotForm) {
   int within = 0;
   for (int n = 0; n < 200; ++n) {
     const Points p = noisy(1000, 0.02, 0, random);
-    const Form form = form_deviation(p.uv, p.residual, 0.1);
+    const Form form = form_deviation(p.place, p.residual, 2500, 0.1);
     EXPECT_LT(form.form_mm, 0.03);
     EXPECT_GT(form.cells, 10u);
     within += form.form_mm <= form.U_mm;
@@ -54,17 +55,17 @@ TEST(Form, ARaisedAreaIsFound) {
   int within = 0;
   for (int n = 0; n < 100; ++n) {
     const Points p = noisy(3000, 0.02, 0.08, random);
-    const Form form = form_deviation(p.uv, p.residual, 0.1);
+    const Form form = form_deviation(p.place, p.residual, 2500, 0.1);
     within += std::abs(form.form_mm - 0.08) < form.U_mm;
   }
   EXPECT_GE(within, 91);  // 95 % of 100, less two standard deviations
 }
 
 TEST(Form, FewPointsHaveNoForm) {
-  EXPECT_EQ(form_deviation({}, {}, 0.1).form_mm, 0);
+  EXPECT_EQ(form_deviation({}, {}, 0, 0.1).form_mm, 0);
   std::mt19937_64 random(3);
   const Points p = noisy(5, 0.02, 0, random);
-  EXPECT_EQ(form_deviation(p.uv, p.residual, 0.1).form_mm, 0);
+  EXPECT_EQ(form_deviation(p.place, p.residual, 2500, 0.1).form_mm, 0);
 }
 
 }  // namespace

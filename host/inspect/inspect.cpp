@@ -2,48 +2,78 @@
 // The whole way of the host, from raw points to the verdict (DESIGN section 1, steps 5 to 8). Start here.
 #include "host/inspect/inspect.hpp"
 
-#include "host/inspect/cast_scan.hpp"
 #include "host/inspect/decide.hpp"
 #include "host/inspect/find_material_faults.hpp"
-#include "host/inspect/inspect_faces.hpp"
+#include "host/inspect/hold_by_datums.hpp"
+#include "host/inspect/judge_faces.hpp"
+#include "host/inspect/measure_faces.hpp"
+#include "host/inspect/relate_faces.hpp"
 
 namespace tetragauge {
+namespace {
 
-Result<InspectionRun> inspect(const Scan& scan, const Solid& model, const Tolerances& tolerances,
+// Which of several scans an error is about.
+Error of_scan(size_t index, std::span<const Scan> scans, Error error) {
+  if (scans.size() > 1)
+    error.message =
+        "scan " + std::to_string(index + 1) + " of " + std::to_string(scans.size()) + ": " + error.message;
+  return error;
+}
+
+}  // namespace
+
+Result<InspectionRun> inspect(std::span<const Scan> scans, const Solid& model, const Tolerances& tolerances,
                               const InspectOptions& options) {
-  StageTimer timer;
-
-  // 5. The surface between solid and air.
-  timer.begin("reconstruct");
-  Result<Reconstruction> reconstruction = reconstruct(scan, options.reconstruct);
-  if (!reconstruction) return reconstruction.error();
-
-  // 6. The part's real faces, each fitted to all its raw points.
-  timer.begin("faces");
-  Result<MeasuredFaces> measured = find_faces(scan, *reconstruction, options.faces);
-  if (!measured) return measured.error();
-
-  // 7. Where the part lies: measured faces against the model's, with no initial pose.
-  timer.begin("match");
+  InspectionRun run;
+  Inspection& out = run.inspection;
   const RayCaster caster(model);
-  Result<Match> match = match_scan(model, caster, scan, *measured, options.match);
-  if (!match) return match.error();
 
-  // 8. Each face's deviation with its uncertainty against its tolerance.
-  timer.begin("inspect");
-  Inspection inspection;
-  const CastScan cast = cast_scan(scan, model, caster, match->T_model_part);
-  inspection.match = std::move(*match);
-  inspection.rule = rule_name(options.rule);
-  inspect_faces(scan, model, *measured, cast, tolerances, options, inspection);
-  judge_distances(model, tolerances, inspection.faces, options.rule);
-  judge_extra_faces(model, *measured, cast, tolerances, inspection);
-  find_material_faults(model, *measured, cast, face_outlines(model), tolerances, inspection);
-  inspection.verdict = judge_part(inspection, model, tolerances);
-  timer.end();
+  for (const Scan& scan : scans) {
+    // 5. The surface between solid and air.
+    out.timing.begin("reconstruct");
+    Result<Reconstruction> reconstruction = reconstruct(scan, options.reconstruct);
+    if (!reconstruction) return of_scan(run.set_ups.size(), scans, reconstruction.error());
 
-  inspection.timing = std::move(timer);
-  return InspectionRun{std::move(*reconstruction), std::move(*measured), std::move(inspection)};
+    // 6. The part's real faces, each fitted to all its raw points.
+    out.timing.begin("faces");
+    Result<MeasuredFaces> measured = find_faces(scan, *reconstruction, options.faces);
+    if (!measured) return of_scan(run.set_ups.size(), scans, measured.error());
+
+    // 7. Where the part lies: measured faces against the model's, with no initial pose.
+    out.timing.begin("match");
+    Result<Match> match = match_scan(model, caster, scan, *measured, options.match);
+    if (!match) return of_scan(run.set_ups.size(), scans, match.error());
+
+    run.set_ups.push_back({std::move(*reconstruction), std::move(*measured), std::move(*match)});
+  }
+
+  // 8. All scans in the model's frame: each face's deviations with their uncertainty ...
+  out.timing.begin("inspect");
+  const std::vector<FaceOutline> outlines = face_outlines(model);
+  JoinedScan joined = join_set_ups(scans, model, caster, run.set_ups);
+  PartPose pose = best_fit(run.set_ups);
+  MeasuredPart part = measure_faces(joined, model, outlines, pose, tolerances);
+  if (!tolerances.datums.empty()) {
+    // ... and again with the part held by its datums, as they were found.
+    hold_by_datums(model, tolerances.datums, part.faces, part.share, run.set_ups, pose, out.alignment);
+    joined = join_set_ups(scans, model, caster, run.set_ups);
+    part = measure_faces(joined, model, outlines, pose, tolerances);
+  }
+
+  // ... against its tolerance.
+  out.rule = options.rule;
+  out.relations = relate_faces(model, part.faces);
+  out.faces = std::move(part.faces);
+  out.missing_faces = std::move(part.missing);
+  out.extra_faces = extra_faces(joined, model, run.set_ups, tolerances);
+  judge_faces(model, outlines, tolerances, out);
+  judge_distances(model, tolerances, out.faces, out.rule);
+  find_material_faults(model, joined, outlines, tolerances, out);
+  out.verdict = judge_part(out, model, tolerances);
+  out.point_deviation_mm = std::move(part.point_deviation_mm);
+  out.point_face = std::move(part.point_face);
+  out.timing.end();
+  return run;
 }
 
 }  // namespace tetragauge

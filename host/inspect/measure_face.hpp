@@ -4,7 +4,7 @@
 
 #include "host/inspect/cast_scan.hpp"
 #include "host/inspect/face_outline.hpp"
-#include "host/inspect/inspect.hpp"
+#include "host/inspect/part_pose.hpp"
 
 namespace tetragauge {
 
@@ -12,16 +12,28 @@ struct FaceMeasurement {
   const Face& face;  // of the model
   const FaceOutline& outline;
   const CastScan& cast;
+  const PoseError& pose;
   std::vector<uint32_t> points;  // raw points of this face
   double measured_area_mm2 = 0;  // of the measured faces; 0: none was found
   double tolerance_mm = 0;       // for form: a twentieth of it is the cells' noise; 0: none
   double u_cal_mm = 0;
 };
 
+// Fills what is measured; judges nothing. Precondition: at least 3 points.
+void measure_face(const FaceMeasurement& in, FaceInspection& out);
+
 // The share of the face's area that has one of its own points within 1.5 of their spacings.
 double coverage(const FaceMeasurement& in, double spacing_mm);
 
-// Fills what is measured; judges nothing. Precondition: at least 3 points.
-void measure_face(const FaceMeasurement& in, const Match& match, FaceInspection& out);
+// Its two kinds, on the points away from the face's edges.
+void measure_plane(const FaceMeasurement& in, FaceInspection& out);
+void measure_curve(const FaceMeasurement& in, FaceInspection& out);
+
+// How far residuals larger than sigma promises (form, roughness, an optimistic sigma) widen a variance.
+double inflation(double chi2, double freedom);
+
+// rms and peak to valley of what the fit leaves, and form from cells of them; `place` as for form_deviation.
+void measure_residuals(const FaceMeasurement& in, std::span<const Vec3> place,
+                       std::span<const double> residual_mm, double area_mm2, FaceInspection& out);
 
 }  // namespace tetragauge

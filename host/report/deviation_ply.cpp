@@ -19,24 +19,32 @@ std::array<uint8_t, 3> colour(double share) {
 
 }  // namespace
 
-std::string deviation_ply(const Scan& scan, const Inspection& inspection, double scale_mm) {
+std::string deviation_ply(const Report& report, double scale_mm) {
+  const Inspection& inspection = report.run.inspection;
   std::string out =
       "ply\nformat binary_little_endian 1.0\ncomment frame part\ncomment unit mm\ncomment deviation from the "
       "model, + is excess "
       "material\nelement vertex " +
-      std::to_string(scan.size()) +
+      std::to_string(inspection.point_face.size()) +
       "\nproperty double x\nproperty double y\nproperty double z\nproperty uchar red\nproperty uchar "
       "green\nproperty "
       "uchar blue\nproperty float deviation\nproperty int face\nend_header\n";
-  for (size_t i = 0; i < scan.size(); ++i) {
-    for (int k = 0; k < 3; ++k) append_bytes(out, scan.points[i][k]);
-    const float deviation = inspection.point_deviation_mm[i];
-    const int face = inspection.point_face[i];
-    std::array<uint8_t, 3> rgb{128, 128, 128};
-    if (face > 0) rgb = colour(static_cast<double>(deviation) / scale_mm);
-    for (const uint8_t c : rgb) append_bytes(out, c);
-    append_bytes(out, deviation);
-    append_bytes(out, static_cast<int32_t>(face));
+  size_t at = 0;
+  for (size_t s = 0; s < report.scans.size(); ++s) {
+    const RigidTransform T_first_this =
+        report.run.set_ups.front().match.T_model_part.inverse() * report.run.set_ups[s].match.T_model_part;
+    for (const Vec3& point : report.scans[s].points) {
+      const Vec3 p = s == 0 ? point : T_first_this * point;
+      for (int k = 0; k < 3; ++k) append_bytes(out, p[k]);
+      const float deviation = inspection.point_deviation_mm[at];
+      const int face = inspection.point_face[at];
+      ++at;
+      std::array<uint8_t, 3> rgb{128, 128, 128};
+      if (face > 0) rgb = colour(static_cast<double>(deviation) / scale_mm);
+      for (const uint8_t c : rgb) append_bytes(out, c);
+      append_bytes(out, deviation);
+      append_bytes(out, static_cast<int32_t>(face));
+    }
   }
   return out;
 }

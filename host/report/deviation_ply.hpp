@@ -4,12 +4,13 @@
 
 #include <string>
 
-#include "host/inspect/inspect.hpp"
+#include "host/report/report.hpp"
 
 namespace tetragauge {
 
-// Binary PLY in the part frame: x y z, red green blue, scalars `deviation` (mm, + = excess material) and
-// `face` (model id, 0: none). Blue is -`scale_mm`, green 0, red +`scale_mm`; points on no face are grey.
-std::string deviation_ply(const Scan& scan, const Inspection& inspection, double scale_mm);
+// Binary PLY: x y z, red green blue, scalars `deviation` (mm, + = excess material) and `face` (model id, 0:
+// none). Blue is -`scale_mm`, green 0, red +`scale_mm`; points on no face are grey. In the part frame of the
+// (first) scan; further scans are brought there by their poses.
+std::string deviation_ply(const Report& report, double scale_mm);
 
 }  // namespace tetragauge

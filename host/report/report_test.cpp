@@ -22,11 +22,21 @@ namespace fs = std::filesystem;
 
 // A made-up run with one face of every verdict, an extra face, an equivalent pose and a free direction.
 struct Made {
-  Scan scan;
+  std::vector<Scan> scans{Scan{}};
   Solid model;
   Tolerances tolerances;
   InspectionRun run;
-  ReportInput input;
+  std::vector<ReportFile> scan_files{{"scan.ply", std::string(64, 'a')}};
+
+  Report report() const {
+    return {run,
+            scans,
+            model,
+            tolerances,
+            scan_files,
+            {"model.step", std::string(64, 'b')},
+            {"tolerances.json", std::string(64, 'c')}};
+  }
 
   Made() {
     tolerances.given = true;
@@ -35,7 +45,13 @@ struct Made {
     const Verdict verdicts[] = {Verdict::pass, Verdict::fail, Verdict::undecided, Verdict::not_measured,
                                 Verdict::skipped};
     Inspection& inspection = run.inspection;
-    inspection.rule = "guarded";
+    run.set_ups.resize(1);
+    SetUp& set_up = run.set_ups[0];
+    Scan& scan = scans[0];
+    tolerances.datums = {{"A", 1, Vec3::UnitZ()}};
+    inspection.alignment.datums = {{"A", 1, 2, 1}};
+    inspection.relations = {{1, 2, true, false, 1.5707963267948966, 0.001, 0.0002, 0, 0, 0},
+                            {1, 4, false, true, 3.141592653589793, 0.001, 0.0002, 20, -0.3, 0.004}};
     for (int k = 0; k < 5; ++k) {
       Face face;
       face.id = face.surface = k + 1;
@@ -53,30 +69,34 @@ struct Made {
         in.offset_mm = k == 1 ? 0.4 : -0.0;
         in.U_offset_mm = 0.02;
         in.profile_mm = in.offset_mm;
-        in.criterion = "profile";
-        in.deviation_mm = in.offset_mm;
-        in.U_mm = 0.02;
-        in.limit_mm = 0.1;
+        in.decided_by = Criterion{"profile", in.offset_mm, 0.02, 0.1, verdicts[k], ""};
+        in.criteria = {*in.decided_by, {"angularity", 0.3, 0.1, 0.5, Verdict::pass, "A"}};
+        if (k == 2) in.radius_mm = 0.01;
+        if (k == 2) in.position_mm = 0.02;
       } else {
         in.reason = "not seen: 3 points";
       }
       inspection.faces.push_back(in);
     }
     inspection.verdict = judge_part(inspection, model, tolerances);
-    inspection.match.pairs = {{1, 1, 0.0, 0.0, true}, {2, 2, 0.4, 0.0, false}};
-    inspection.match.unmatched_model = {3, 4, 5};
-    inspection.match.unmatched_measured = {3};
-    inspection.match.equivalents = {{RigidTransform{rotation_from_degrees(0, 0, 180), Vec3(1, 2, 3)},
-                                     std::string(150, 'w') + " long words and " + std::string(40, 'x')}};
-    inspection.match.undetermined = {{FreeDirection::Kind::translation, Vec3::UnitY(), Vec3::Zero()}};
-    inspection.extra_faces = {3};
+    set_up.match.pairs = {{1, 1, 0.0, 0.0, true}, {2, 2, 0.4, 0.0, false}};
+    set_up.match.unmatched_model = {3, 4, 5};
+    set_up.match.unmatched_measured = {3};
+    set_up.match.equivalents = {{RigidTransform{rotation_from_degrees(0, 0, 180), Vec3(1, 2, 3)},
+                                 std::string(150, 'w') + " long words and " + std::string(40, 'x')}};
+    set_up.match.undetermined = {{FreeDirection::Kind::translation, Vec3::UnitY(), Vec3::Zero()}};
+    ExtraFace extra;
+    extra.measured_id = 3;
+    extra.face.normal = Vec3::UnitX();
+    extra.face.area_mm2 = 50;
+    inspection.extra_faces = {extra};
     inspection.missing_faces = {4};
     for (int k = 0; k < 3; ++k) {
       Face face;
       face.id = k + 1;
       face.normal = Vec3::UnitX();
       face.area_mm2 = 50;
-      run.measured.list.faces.push_back(face);
+      set_up.measured.list.faces.push_back(face);
     }
     for (int k = 0; k < 4; ++k) {
       scan.points.emplace_back(k, 2 * k, 0.5);
@@ -85,8 +105,6 @@ struct Made {
       inspection.point_deviation_mm.push_back(0.1f * static_cast<float>(k - 1));
       inspection.point_face.push_back(k);
     }
-    input = {"scan.ply",           std::string(64, 'a'), "model.step",
-             std::string(64, 'b'), "tolerances.json",    std::string(64, 'c')};
   }
 };
 
@@ -98,7 +116,7 @@ fs::path folder() {
 TEST(Report, JsonKeepsToItsSchema) {
   const Made made;
   const fs::path out = folder();
-  ASSERT_TRUE(write_report(out, made.run, made.scan, made.model, made.tolerances, made.input).ok());
+  ASSERT_TRUE(write_report(out, made.report()).ok());
   const std::string schema = std::string(TETRAGAUGE_SOURCE_DIR) + "/host/report/report.schema.json";
   const std::string script =
       "import json, sys, jsonschema; jsonschema.Draft202012Validator(json.load(open(sys.argv[1]))).validate("
@@ -125,7 +143,7 @@ TEST(Report, JsonKeepsToItsSchema) {
 
 TEST(Report, JsonHoldsTheRun) {
   const Made made;
-  const auto json = report_json(made.run, made.scan, made.model, made.tolerances, made.input);
+  const auto json = report_json(made.report());
   EXPECT_EQ(json["verdict"], "fail");
   ASSERT_EQ(json["faces"].size(), 5u);
   EXPECT_EQ(json["faces"][1]["deviations"]["offset_mm"], 0.4);
@@ -138,7 +156,7 @@ TEST(Report, JsonHoldsTheRun) {
   const std::string text = json.dump();
   EXPECT_EQ(text.find("-0.0"), std::string::npos);
   EXPECT_EQ(text.find("null"), std::string::npos);
-  EXPECT_EQ(match_json(made.run.inspection.match, "search")["pairs"], json["pairs"]);
+  EXPECT_EQ(match_json(made.run.set_ups[0].match, "search")["pairs"], json["pairs"]);
 }
 
 TEST(Report, NumbersAreNeverNanOrMinusZero) {
@@ -149,7 +167,7 @@ TEST(Report, NumbersAreNeverNanOrMinusZero) {
 
 TEST(Report, TextSaysTheVerdictFirstAndFits100Columns) {
   Made made;
-  const auto text = [&] { return report_text(made.run, made.scan, made.model, made.tolerances, made.input); };
+  const auto text = [&] { return report_text(made.report()); };
   const auto first_line = [&] { return text().substr(0, text().find('\n')); };
   EXPECT_EQ(first_line(), "FAIL: face 2 (plane) is 0.400 mm +- 0.020 mm out, limit 0.100 mm");
   std::istringstream lines(text());
@@ -172,7 +190,7 @@ TEST(Report, TextSaysTheVerdictFirstAndFits100Columns) {
 
 TEST(Report, DeviationPlyHoldsEveryPoint) {
   const Made made;
-  const std::string ply = deviation_ply(made.scan, made.run.inspection, 0.1);
+  const std::string ply = deviation_ply(made.report(), 0.1);
   const size_t body = ply.find("end_header\n") + 11;
   constexpr size_t kRow = 3 * 8 + 3 + 4 + 4;
   ASSERT_EQ(ply.size() - body, 4 * kRow);
@@ -200,8 +218,7 @@ TEST(Report, DeviationPlyHoldsEveryPoint) {
 
 TEST(Report, AFolderThatCannotBeMadeIsAnError) {
   const Made made;
-  const Status status =
-      write_report("/dev/null/report", made.run, made.scan, made.model, made.tolerances, made.input);
+  const Status status = write_report("/dev/null/report", made.report());
   ASSERT_FALSE(status.ok());
   EXPECT_NE(status.error().message.find("/dev/null/report"), std::string::npos);
 }

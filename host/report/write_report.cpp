@@ -11,18 +11,19 @@ namespace tetragauge {
 namespace {
 
 // Full colour at the widest limit; without tolerances at the deviation that 19 of 20 points keep to.
-double colour_scale_mm(const InspectionRun& run, const Solid& model, const Tolerances& tolerances) {
+double colour_scale_mm(const Report& report) {
   double widest = 0;
-  for (const Face& face : model.faces()) {
-    const FaceTolerance tolerance = tolerances.of(face);
+  for (const Face& face : report.model.faces()) {
+    const FaceTolerance tolerance = report.tolerances.of(face);
     if (tolerance.profile_mm) widest = std::max(widest, *tolerance.profile_mm / 2);
     if (tolerance.offset_mm) widest = std::max(widest, *tolerance.offset_mm);
   }
   if (widest > 0) return widest;
+  const Inspection& inspection = report.run.inspection;
   std::vector<double> sizes;
-  for (size_t i = 0; i < run.inspection.point_face.size(); ++i)
-    if (run.inspection.point_face[i] > 0)
-      sizes.push_back(std::abs(static_cast<double>(run.inspection.point_deviation_mm[i])));
+  for (size_t i = 0; i < inspection.point_face.size(); ++i)
+    if (inspection.point_face[i] > 0)
+      sizes.push_back(std::abs(static_cast<double>(inspection.point_deviation_mm[i])));
   if (sizes.empty()) return 1;
   const auto at = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() * 19 / 20);
   std::nth_element(sizes.begin(), at, sizes.end());
@@ -31,19 +32,17 @@ double colour_scale_mm(const InspectionRun& run, const Solid& model, const Toler
 
 }  // namespace
 
-Status write_report(const std::filesystem::path& folder, const InspectionRun& run, const Scan& scan,
-                    const Solid& model, const Tolerances& tolerances, const ReportInput& input) {
+Status write_report(const std::filesystem::path& folder, const Report& report) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error)
     return bad_input(folder.string() + ": the folder cannot be made (" + error.message() +
                      "); give another one with --out");
-  const std::string json = report_json(run, scan, model, tolerances, input).dump(2) + "\n";
-  const std::string ply = deviation_ply(scan, run.inspection, colour_scale_mm(run, model, tolerances));
-  // The verdict last: where it stands, the rest is there.
-  if (Status status = write_whole_file(folder / "deviation.ply", ply); !status) return status;
-  if (Status status = write_whole_file(folder / "report.json", json); !status) return status;
-  return write_whole_file(folder / "report.txt", report_text(run, scan, model, tolerances, input));
+  const std::array contents{deviation_ply(report, colour_scale_mm(report)), faces_csv(report),
+                            report_json(report).dump(2) + "\n", report_text(report)};
+  for (size_t k = 0; k < contents.size(); ++k)
+    if (Status status = write_whole_file(folder / kReportFiles[k], contents[k]); !status) return status;
+  return Done{};
 }
 
 int exit_code(Verdict verdict) {

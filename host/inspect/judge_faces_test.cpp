@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "host/inspect/decide.hpp"
+#include "host/inspect/judge_faces.hpp"
 
 #include <gtest/gtest.h>
 
 namespace tetragauge {
 namespace {
-
-using Rule = InspectOptions::Rule;
 
 TEST(Decide, VerdictTable) {
   struct Case {
@@ -57,13 +55,13 @@ TEST(Decide, TheWorstCriterionDecides) {
   tolerance.flatness_mm = 0.02;
   judge_face(face, tolerance, Rule::guarded);
   EXPECT_EQ(face.verdict, Verdict::pass);
-  EXPECT_EQ(face.criterion, "flatness");
+  EXPECT_EQ(face.decided_by->name, "flatness");
   tolerance.profile_mm = 0.3;  // +- 0.15
   judge_face(face, tolerance, Rule::guarded);
   EXPECT_EQ(face.verdict, Verdict::fail);
-  EXPECT_EQ(face.criterion, "profile");
-  EXPECT_DOUBLE_EQ(face.deviation_mm, -0.21);
-  EXPECT_DOUBLE_EQ(face.limit_mm, 0.15);
+  EXPECT_EQ(face.decided_by->name, "profile");
+  EXPECT_DOUBLE_EQ(face.decided_by->deviation, -0.21);
+  EXPECT_DOUBLE_EQ(face.decided_by->limit, 0.15);
   judge_face(face, {}, Rule::guarded);
   EXPECT_EQ(face.verdict, Verdict::none);
 }
@@ -102,7 +100,7 @@ TEST(Decide, AWrongDistanceFailsBothCandidates) {
   for (int k = 0; k < 2; ++k) {
     EXPECT_EQ(wrong.faces[static_cast<size_t>(k)].verdict, Verdict::fail);
     EXPECT_EQ(wrong.faces[static_cast<size_t>(k)].candidate_with, 2 - k);
-    EXPECT_DOUBLE_EQ(wrong.faces[static_cast<size_t>(k)].deviation_mm, 0.4);
+    EXPECT_DOUBLE_EQ(wrong.faces[static_cast<size_t>(k)].decided_by->deviation, 0.4);
   }
   EXPECT_EQ(wrong.faces[2].verdict, Verdict::pass);
   // 0.15 + 0.04 is within what the two may be off together; shifting the part between them changes nothing.

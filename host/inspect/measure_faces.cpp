@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/inspect/measure_faces.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "host/inspect/measure_face.hpp"
+
+namespace tetragauge {
+namespace {
+
+constexpr size_t kLeastPoints = 30;  // fewer are not a measurement
+
+// What the rays that should have met a face found.
+struct Sight {
+  std::vector<uint32_t> on;  // points of the face
+  size_t met = 0;            // rays that should have met it
+  size_t behind = 0;         // went clearly through where its material should be
+  size_t elsewhere = 0;      // points at another surface or off by more than the gate
+};
+
+// A measured face's points belong to its model face's surface; among patches of one surface the ray decides.
+// A point on no paired measured face belongs to the model face that its ray meets, if it lies near. Rays that
+// meet another face than their point's are at an edge, and left out.
+std::vector<Sight> sort_points(const Solid& model, const JoinedScan& joined) {
+  const CastScan& cast = joined.cast;
+  std::vector<int> surface_of_point(cast.face.size(), 0);
+  std::vector<bool> paired(model.faces().size(), false);
+  for (const MeasuredPatch& patch : joined.patches) {
+    if (patch.model_id == 0) continue;
+    const size_t face = static_cast<size_t>(patch.model_id) - 1;
+    paired[face] = true;
+    for (const uint32_t i : patch.points) surface_of_point[i] = model.faces()[face].surface;
+  }
+  std::vector<Sight> sights(model.faces().size());
+  for (uint32_t i = 0; i < cast.face.size(); ++i) {
+    if (cast.face[i] < 0) continue;
+    const size_t face = static_cast<size_t>(cast.face[i]);
+    Sight& sight = sights[face];
+    ++sight.met;
+    const bool near = std::abs(cast.deviation_mm[i]) <= joined.max_offset_mm;
+    const bool of_this = surface_of_point[i] == model.faces()[face].surface;
+    if (of_this || (near && surface_of_point[i] == 0 && !paired[face])) {
+      sight.on.push_back(i);
+    } else {
+      ++sight.elsewhere;
+      if (!near && cast.beyond_mm[i] > joined.max_offset_mm) ++sight.behind;
+    }
+  }
+  return sights;
+}
+
+// By weight in a fit: the set-ups' parts in the sum of 1/sigma^2.
+std::vector<double> share_of_set_ups(const JoinedScan& joined, const std::vector<uint32_t>& points,
+                                     size_t set_ups) {
+  std::vector<double> share(set_ups, 0.0);
+  double total = 0;
+  for (const uint32_t i : points) {
+    const double sigma = std::max(1e-6, joined.cast.sigma_mm[i]);
+    share[joined.set_up[i]] += 1 / (sigma * sigma);
+    total += 1 / (sigma * sigma);
+  }
+  if (total > 0)
+    for (double& part : share) part /= total;
+  return share;
+}
+
+std::string in_words(const char* format, double a, double b = 0) {
+  std::array<char, 160> text{};
+  std::snprintf(text.data(), text.size(), format, a, b);
+  return text.data();
+}
+
+// Flatness and profile ask for form; orientation holds it too.
+double form_tolerance(const FaceTolerance& tolerance) {
+  double tightest = 1e300;
+  for (const auto& limit : {tolerance.flatness_mm, tolerance.profile_mm})
+    if (limit) tightest = std::min(tightest, *limit);
+  for (const auto& limit : {tolerance.parallelism_mm, tolerance.perpendicularity_mm, tolerance.position_mm})
+    if (limit) tightest = std::min(tightest, limit->value);
+  return tightest < 1e300 ? tightest : 0;
+}
+
+void measure(const Sight& sight, const FaceMeasurement& in, bool is_determined, double min_coverage,
+             FaceInspection& out) {
+  out.points_used = sight.on.size();
+  out.points_rejected = sight.elsewhere;
+  if (sight.on.size() < kLeastPoints) {
+    out.reason = in_words("not seen: %.0f points", static_cast<double>(sight.on.size()));
+    return;
+  }
+  measure_face(in, out);
+  if (in.face.type != SurfaceType::plane && !is_determined) {
+    // A plane's offset does not feel the part moving where nothing holds it; a curved face's does.
+    out.measured = false;
+    out.reason = "the part's pose is undetermined, and with it where this face should be";
+  } else if (!out.measured) {
+    out.reason = "its points lie on a line";
+  } else if (out.coverage < min_coverage) {
+    out.measured = false;
+    out.reason = in_words("%.0f %% of its area seen, %.0f %% wanted", 100 * out.coverage, 100 * min_coverage);
+  }
+}
+
+}  // namespace
+
+MeasuredPart measure_faces(const JoinedScan& joined, const Solid& model,
+                           const std::vector<FaceOutline>& outlines, const PartPose& pose,
+                           const Tolerances& tolerances) {
+  const CastScan& cast = joined.cast;
+  const std::vector<Sight> sights = sort_points(model, joined);
+  MeasuredPart part;
+  part.point_deviation_mm.assign(cast.face.size(), 0.0f);
+  part.point_face.assign(cast.face.size(), 0);
+  for (size_t i = 0; i < cast.face.size(); ++i)
+    if (cast.face[i] >= 0) part.point_deviation_mm[i] = static_cast<float>(cast.deviation_mm[i]);
+
+  for (size_t k = 0; k < model.faces().size(); ++k) {
+    const Face& face = model.faces()[k];
+    const Sight& sight = sights[k];
+    const FaceTolerance tolerance = tolerances.of(face);
+    const bool wanted = has_tolerance(tolerance) && !tolerances.skip.contains(face.id);
+    FaceInspection out;
+    out.model_id = face.id;
+    double area_mm2 = 0;
+    for (const MeasuredPatch& patch : joined.patches) {
+      if (patch.model_id != face.id) continue;
+      if (out.measured_id == 0) out.measured_id = patch.measured_id;
+      area_mm2 += patch.area_mm2;
+    }
+    for (const uint32_t i : sight.on) part.point_face[i] = face.id;
+    part.share.push_back(share_of_set_ups(joined, sight.on, pose.covariances.size()));
+
+    // More than half of the rays went through, and hardly one found it: it is not there.
+    const bool absent = out.measured_id == 0 && sight.met >= kLeastPoints && 2 * sight.behind > sight.met &&
+                        5 * sight.on.size() < sight.met;
+    if (absent) {
+      part.missing.push_back(face.id);
+      if (wanted) out.verdict = Verdict::fail;
+      out.points_used = sight.on.size();
+      out.points_rejected = sight.elsewhere;
+      out.reason = in_words("rays prove it absent: %.0f of %.0f went through its place",
+                            static_cast<double>(sight.behind), static_cast<double>(sight.met));
+    } else {
+      const PoseError pose_error = pose.error(part.share.back(), face.id);
+      measure(sight,
+              {face, outlines[k], cast, pose_error, sight.on, area_mm2, form_tolerance(tolerance),
+               joined.u_cal_mm},
+              joined.is_determined, tolerances.min_coverage, out);
+      if (wanted && !out.measured) out.verdict = Verdict::not_measured;
+      if (face.type == SurfaceType::other && out.measured)
+        out.reason = "free-form: compared point by point, not fitted";
+    }
+    part.faces.push_back(std::move(out));
+  }
+  return part;
+}
+
+std::vector<ExtraFace> extra_faces(const JoinedScan& joined, const Solid& model,
+                                   const std::vector<SetUp>& set_ups, const Tolerances& tolerances) {
+  const CastScan& cast = joined.cast;
+  std::vector<ExtraFace> extra;
+  for (const MeasuredPatch& patch : joined.patches) {
+    if (patch.model_id != 0) continue;
+    const RigidTransform& T_model_part = set_ups[patch.set_up].match.T_model_part;
+    ExtraFace out{patch.set_up, patch.measured_id,
+                  set_ups[patch.set_up].measured.faces()[static_cast<size_t>(patch.measured_id) - 1], false};
+    out.face.normal = T_model_part.R * out.face.normal;
+    out.face.axis = T_model_part.R * out.face.axis;
+    out.face.point_mm = T_model_part * out.face.point_mm;
+    out.face.point_on_axis_mm = T_model_part * out.face.point_on_axis_mm;
+    out.face.d_mm = out.face.normal.dot(out.face.point_mm);
+    size_t off = 0;
+    for (const uint32_t i : patch.points) {
+      if (cast.face[i] < 0) {  // the ray meets no material of the model at all
+        ++off;
+        continue;
+      }
+      const Face& face = model.faces()[static_cast<size_t>(cast.face[i])];
+      if (tolerances.skip.contains(face.id)) continue;
+      off += std::abs(cast.deviation_mm[i]) > offset_limit(tolerances.of(face)) + 3 * cast.sigma_mm[i];
+    }
+    out.out_of_tolerance = tolerances.given && 2 * off > patch.points.size();
+    extra.push_back(std::move(out));
+  }
+  return extra;
+}
+
+}  // namespace tetragauge
