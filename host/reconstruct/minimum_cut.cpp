@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "host/reconstruct/minimum_cut.hpp"
 
-#include <algorithm>
-#include <boost/graph/boykov_kolmogorov_max_flow.hpp>
-#include <boost/graph/compressed_sparse_row_graph.hpp>
-#include <boost/property_map/property_map.hpp>
+#include "host/reconstruct/maximum_flow.hpp"
 
 namespace tetragauge {
 namespace {
@@ -79,58 +76,6 @@ class Settler {
   std::vector<uint32_t> settled_;
 };
 
-using Graph = boost::compressed_sparse_row_graph<boost::directedS, boost::no_property, boost::no_property,
-                                                 boost::no_property, uint32_t, uint32_t>;
-using EdgeDescriptor = boost::graph_traits<Graph>::edge_descriptor;
-
-struct Edge {
-  uint32_t from, to;
-  Votes capacity;
-};
-
-// What the source still reaches in the residual network: the smallest source side among all minimum cuts.
-std::vector<uint8_t> reachable_from_source(uint32_t nodes, const std::vector<Edge>& edges, uint32_t source,
-                                           uint32_t sink) {
-  // `edges` holds pairs: edge 2k + 1 is the reverse of 2k. Compressed rows keep each node's edges together.
-  std::vector<uint32_t> row(nodes + 1, 0);
-  for (const Edge& e : edges) ++row[e.from + 1];
-  for (uint32_t v = 0; v < nodes; ++v) row[v + 1] += row[v];
-  std::vector<uint32_t> place(edges.size()), next = row;
-  for (size_t e = 0; e < edges.size(); ++e) place[e] = next[edges[e].from]++;
-  std::vector<std::pair<uint32_t, uint32_t>> ends(edges.size());
-  std::vector<Votes> capacity(edges.size()), residual(edges.size());
-  std::vector<EdgeDescriptor> reverse(edges.size()), predecessor(nodes);
-  for (size_t e = 0; e < edges.size(); ++e) {
-    ends[place[e]] = {edges[e].from, edges[e].to};
-    capacity[place[e]] = edges[e].capacity;
-    reverse[place[e]] = EdgeDescriptor(edges[e].to, place[e ^ 1]);
-  }
-  const Graph graph(boost::edges_are_sorted, ends.begin(), ends.end(), nodes);
-
-  std::vector<boost::default_color_type> colour(nodes);
-  std::vector<long> distance(nodes);
-  const auto by_edge = boost::get(boost::edge_index, graph);
-  const auto by_node = boost::get(boost::vertex_index, graph);
-  boost::boykov_kolmogorov_max_flow(graph, boost::make_iterator_property_map(capacity.begin(), by_edge),
-                                    boost::make_iterator_property_map(residual.begin(), by_edge),
-                                    boost::make_iterator_property_map(reverse.begin(), by_edge),
-                                    boost::make_iterator_property_map(predecessor.begin(), by_node),
-                                    boost::make_iterator_property_map(colour.begin(), by_node),
-                                    boost::make_iterator_property_map(distance.begin(), by_node), by_node,
-                                    source, sink);
-  std::vector<uint8_t> reached(nodes, 0);
-  std::vector<uint32_t> queue{source};
-  reached[source] = 1;
-  for (size_t at = 0; at < queue.size(); ++at) {
-    for (uint32_t e = row[queue[at]]; e < row[queue[at] + 1]; ++e) {
-      if (residual[e] <= 0 || reached[ends[e].second]) continue;
-      reached[ends[e].second] = 1;
-      queue.push_back(ends[e].second);
-    }
-  }
-  return reached;
-}
-
 }  // namespace
 
 std::vector<uint8_t> minimum_cut(const Tetrahedra& tetrahedra, CutProblem problem) {
@@ -144,29 +89,19 @@ std::vector<uint8_t> minimum_cut(const Tetrahedra& tetrahedra, CutProblem proble
     node[c] = static_cast<uint32_t>(open.size());
     open.push_back(c);
   }
-  const auto source = static_cast<uint32_t>(open.size()), sink = source + 1;
-  std::vector<Edge> edges;
-  for (const uint32_t c : open) {
-    const Votes push = problem.for_air[c];
-    if (push > 0) {
-      edges.push_back({source, node[c], push});
-      edges.push_back({node[c], source, 0});
-    } else if (push < 0) {
-      edges.push_back({node[c], sink, -push});
-      edges.push_back({sink, node[c], 0});
-    }
-    for (int i = 0; i < 4; ++i) {
-      const auto k = static_cast<size_t>(i);
-      const uint32_t n = tetrahedra.cells[c].neighbour[k];
-      if (n < c || side[n] != Side::open) continue;  // each facet once
-      const Votes into_n = problem.cost[n][static_cast<size_t>(tetrahedra.mirror_index(c, i))];
-      const Votes into_c = problem.cost[c][k];
-      if (into_n == 0 && into_c == 0) continue;
-      edges.push_back({node[c], node[n], into_n});
-      edges.push_back({node[n], node[c], into_c});
+  std::vector<FlowNode> nodes(open.size());
+  for (size_t v = 0; v < open.size(); ++v) {
+    const uint32_t c = open[v];
+    nodes[v].excess = problem.for_air[c];
+    for (size_t i = 0; i < 4; ++i) {
+      const uint32_t n = tetrahedra.cells[c].neighbour[i];
+      const int mirror = tetrahedra.mirror_index(c, static_cast<int>(i));
+      nodes[v].neighbour[i] = side[n] == Side::open ? node[n] : kNoNode;
+      nodes[v].mirror[i] = static_cast<uint8_t>(mirror);
+      nodes[v].capacity[i] = problem.cost[n][static_cast<size_t>(mirror)];
     }
   }
-  const std::vector<uint8_t> reached = reachable_from_source(sink + 1, edges, source, sink);
+  const std::vector<uint8_t> reached = source_side(nodes);
   for (const uint32_t c : open) air[c] = reached[node[c]];
   return air;
 }
