@@ -225,15 +225,15 @@ class Assigner {
       if (point_side_[i] != kNoRegion) ++on_its_side[static_cast<size_t>(point_side_[i])];
     }
     fits_.assign(planes_.size(), {});
-    for (size_t f = 0; f < planes_.size(); ++f) {
+    tbb::parallel_for(size_t{0}, planes_.size(), [&](size_t f) {
       // Points in the band lie on the face too; they only do not take part in its fit.
-      if (on_its_side[f] < min_points_ || 2 * members[f].size() < min_points_) continue;
+      if (on_its_side[f] < min_points_ || 2 * members[f].size() < min_points_) return;
       const auto fitted = fit_members(scan_, sigma_mm_, members[f], planes_[f].normal);
-      if (!fitted) continue;
+      if (!fitted) return;
       fits_[f] = *fitted;
       planes_[f] = {fitted->normal, fitted->d_mm};
       scale_[f] = noise_scale(*fitted);
-    }
+    });
   }
 
   bool drop_small() {
@@ -262,14 +262,27 @@ class Assigner {
 
   // A vertex goes with its points; one whose points are all in the band stays where it was if it still fits.
   void relabel_vertices() {
-    std::vector<std::vector<int32_t>> votes(graph_.size());
+    // Nearly all vertices have points of one face only; the others vote.
+    std::vector<int32_t> only(graph_.size(), kNoRegion);
+    std::vector<uint8_t> is_mixed(graph_.size(), 0);
     for (uint32_t i = 0; i < scan_.size(); ++i) {
-      if (point_face_[i] != kNoRegion) votes[reconstruction_.point_vertex[i]].push_back(point_face_[i]);
+      const uint32_t v = reconstruction_.point_vertex[i];
+      if (point_face_[i] == kNoRegion) continue;
+      if (only[v] == kNoRegion) only[v] = point_face_[i];
+      is_mixed[v] |= only[v] != point_face_[i];
+    }
+    std::map<uint32_t, std::vector<int32_t>> votes;
+    for (uint32_t i = 0; i < scan_.size(); ++i) {
+      const uint32_t v = reconstruction_.point_vertex[i];
+      if (is_mixed[v] && point_face_[i] != kNoRegion) votes[v].push_back(point_face_[i]);
+    }
+    for (auto& [v, faces] : votes) {
+      std::sort(faces.begin(), faces.end());
+      only[v] = most_frequent(faces);
     }
     for (uint32_t v = 0; v < graph_.size(); ++v) {
-      if (!votes[v].empty()) {
-        std::sort(votes[v].begin(), votes[v].end());
-        vertex_face_[v] = most_frequent(votes[v]);
+      if (only[v] != kNoRegion) {
+        vertex_face_[v] = only[v];
         continue;
       }
       const int32_t f = vertex_face_[v];

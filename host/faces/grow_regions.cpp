@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "host/faces/grow_regions.hpp"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -36,30 +39,36 @@ class Grower {
     double reduced_chi2;
     uint32_t vertex;
   };
+  struct Scratch {
+    std::vector<Vec3> points;
+    std::vector<double> weights;
+  };
 
   double sigma(uint32_t v, const Vec3& normal) const {
     return sigma_across(reconstruction_.vertex_sigma_mm[v], reconstruction_.vertex_ray[v], normal);
   }
 
   // Weights depend on the normal: a plain fit gives it, the weighted one follows.
-  std::optional<PlaneFit> fit(const std::vector<uint32_t>& members, std::optional<Vec3> normal) const {
-    points_.clear();
-    weights_.clear();
+  std::optional<PlaneFit> fit(const std::vector<uint32_t>& members, std::optional<Vec3> normal,
+                              Scratch& scratch) const {
+    auto& [points, weights] = scratch;
+    points.clear();
+    weights.clear();
     Vec3 towards = Vec3::Zero();
     for (uint32_t v : members) {
-      points_.push_back(reconstruction_.vertices[v]);
+      points.push_back(reconstruction_.vertices[v]);
       towards -= reconstruction_.vertex_ray[v];
     }
     if (!normal) {
-      const auto plain = fit_plane(points_, {}, towards);
+      const auto plain = fit_plane(points, {}, towards);
       if (!plain) return std::nullopt;
       normal = plain->normal;
     }
     for (uint32_t v : members) {
       const double s = sigma(v, *normal);
-      weights_.push_back(1 / (s * s));
+      weights.push_back(1 / (s * s));
     }
-    return fit_plane(points_, weights_, towards);
+    return fit_plane(points, weights, towards);
   }
 
   std::vector<uint32_t> unassigned_around(uint32_t seed, int hops) const {
@@ -75,16 +84,25 @@ class Grower {
   }
 
   std::vector<uint32_t> flattest_first(int hops) const {
-    std::vector<Seed> seeds;
     // Wide neighbourhoods overlap so much that every fourth is enough.
     const uint32_t stride = hops == 3 ? 4 : 1;
-    for (uint32_t v = 0; v < graph_.size(); v += stride) {
-      if (regions_.vertex_region[v] != kNoRegion || graph_.around(v).empty()) continue;
-      const std::vector<uint32_t> members = unassigned_around(v, hops);
-      if (members.size() < 6) continue;
-      const auto plane = fit(members, std::nullopt);
-      if (!plane || plane->weighted_sum_of_squares > chi2_limit(members.size() - 3)) continue;
-      seeds.push_back({plane->weighted_sum_of_squares / static_cast<double>(members.size() - 3), v});
+    constexpr double kNotFlat = -1;
+    std::vector<double> flatness((graph_.size() + stride - 1) / stride, kNotFlat);
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, flatness.size(), 256), [&](const auto& range) {
+      Scratch scratch;
+      for (size_t k = range.begin(); k < range.end(); ++k) {
+        const auto v = static_cast<uint32_t>(k * stride);
+        if (regions_.vertex_region[v] != kNoRegion || graph_.around(v).empty()) continue;
+        const std::vector<uint32_t> members = unassigned_around(v, hops);
+        if (members.size() < 6) continue;
+        const auto plane = fit(members, std::nullopt, scratch);
+        if (!plane || plane->weighted_sum_of_squares > chi2_limit(members.size() - 3)) continue;
+        flatness[k] = plane->weighted_sum_of_squares / static_cast<double>(members.size() - 3);
+      }
+    });
+    std::vector<Seed> seeds;
+    for (size_t k = 0; k < flatness.size(); ++k) {
+      if (flatness[k] != kNotFlat) seeds.push_back({flatness[k], static_cast<uint32_t>(k * stride)});
     }
     std::stable_sort(seeds.begin(), seeds.end(),
                      [](const Seed& a, const Seed& b) { return a.reduced_chi2 < b.reduced_chi2; });
@@ -105,7 +123,7 @@ class Grower {
   void grow_from(uint32_t seed, int hops) {
     std::vector<uint32_t> members = unassigned_around(seed, hops);
     if (members.size() < 6) return;
-    auto plane = fit(members, std::nullopt);
+    auto plane = fit(members, std::nullopt, scratch_);
     if (!plane || plane->weighted_sum_of_squares > chi2_limit(members.size() - 3)) return;
     size_t last = 0;
     // Each round floods with a fixed plane up to twice the members, then fits again; ends when the set is
@@ -115,7 +133,7 @@ class Grower {
       if (flooded.size() < 6) return;
       const bool complete = flooded.size() < 2 * members.size();
       members = std::move(flooded);
-      plane = fit(members, plane->normal);
+      plane = fit(members, plane->normal, scratch_);
       if (!plane) return;
       if (complete && members.size() == last) break;
       last = members.size();
@@ -148,8 +166,7 @@ class Grower {
   Regions regions_;
   std::vector<uint32_t> mark_;
   uint32_t marks_ = 0;
-  mutable std::vector<Vec3> points_;
-  mutable std::vector<double> weights_;
+  Scratch scratch_;
 };
 
 }  // namespace

@@ -1,61 +1,72 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "host/faces/surface_graph.hpp"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 
 namespace tetragauge {
 
-namespace {
-
-// Median length of the edges at each vertex; `edges` sorted, both directions.
-std::vector<double> typical_edge_mm(const Reconstruction& reconstruction,
-                                    const std::vector<std::pair<uint32_t, uint32_t>>& edges) {
-  std::vector<double> typical(reconstruction.vertices.size(), 0), lengths;
-  for (size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
-    lengths.clear();
-    for (end = begin; end < edges.size() && edges[end].first == edges[begin].first; ++end)
-      lengths.push_back(
-          (reconstruction.vertices[edges[end].second] - reconstruction.vertices[edges[end].first]).norm());
-    const auto middle = lengths.begin() + static_cast<long>(lengths.size() / 2);
-    std::nth_element(lengths.begin(), middle, lengths.end());
-    typical[edges[begin].first] = *middle;
-  }
-  return typical;
-}
-
-}  // namespace
-
 SurfaceGraph surface_graph(const Reconstruction& reconstruction) {
-  std::vector<std::pair<uint32_t, uint32_t>> edges;
-  for (const SurfaceTriangle& t : reconstruction.surface) {
-    if (t.unseen) continue;
-    for (size_t i = 0; i < 3; ++i) {
-      const uint32_t a = t.vertex[i], b = t.vertex[(i + 1) % 3];
-      edges.emplace_back(a, b);
-      edges.emplace_back(b, a);
+  const auto& vertices = reconstruction.vertices;
+  // All edges of the seen surface, from both ends, twice where two seen triangles share one.
+  std::vector<uint32_t> first(vertices.size() + 1, 0);
+  const auto for_each_edge = [&](const auto& put) {
+    for (const SurfaceTriangle& t : reconstruction.surface) {
+      if (t.unseen) continue;
+      for (size_t i = 0; i < 3; ++i) {
+        put(t.vertex[i], t.vertex[(i + 1) % 3]);
+        put(t.vertex[(i + 1) % 3], t.vertex[i]);
+      }
     }
-  }
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  };
+  for_each_edge([&](uint32_t a, uint32_t) { ++first[a + 1]; });
+  for (size_t v = 0; v < vertices.size(); ++v) first[v + 1] += first[v];
+  std::vector<uint32_t> ends(first.back()), next(first.begin(), first.end() - 1), count(vertices.size());
+  for_each_edge([&](uint32_t a, uint32_t b) { ends[next[a]++] = b; });
+
+  // Per vertex ascending, each neighbour once; and the median length of its edges.
+  const auto length = [&](uint32_t a, uint32_t b) { return (vertices[b] - vertices[a]).norm(); };
+  std::vector<double> typical(vertices.size(), 0);
+  const tbb::blocked_range<uint32_t> all(0, static_cast<uint32_t>(vertices.size()), 4096);
+  tbb::parallel_for(all, [&](const tbb::blocked_range<uint32_t>& range) {
+    std::vector<double> lengths;
+    for (uint32_t v = range.begin(); v < range.end(); ++v) {
+      const auto begin = ends.begin() + first[v], end = ends.begin() + first[v + 1];
+      std::sort(begin, end);
+      count[v] = static_cast<uint32_t>(std::unique(begin, end) - begin);
+      if (count[v] == 0) continue;
+      lengths.clear();
+      for (auto n = begin; n != begin + count[v]; ++n) lengths.push_back(length(v, *n));
+      const auto middle = lengths.begin() + static_cast<long>(lengths.size() / 2);
+      std::nth_element(lengths.begin(), middle, lengths.end());
+      typical[v] = *middle;
+    }
+  });
 
   // An edge much longer than its surroundings spans surface nobody has measured (a gap, the mouth of a slot
   // under a sliver): it connects nothing.
   constexpr double kGap = 3;
-  const std::vector<double> typical = typical_edge_mm(reconstruction, edges);
-  std::erase_if(edges, [&](const auto& e) {
-    const double length = (reconstruction.vertices[e.second] - reconstruction.vertices[e.first]).norm();
-    return length >
-           kGap * std::max(std::min(typical[e.first], typical[e.second]), reconstruction.vertex_spacing_mm);
+  tbb::parallel_for(all, [&](const tbb::blocked_range<uint32_t>& range) {
+    for (uint32_t v = range.begin(); v < range.end(); ++v) {
+      const auto begin = ends.begin() + first[v];
+      const auto end = std::remove_if(begin, begin + count[v], [&](uint32_t n) {
+        return length(v, n) >
+               kGap * std::max(std::min(typical[v], typical[n]), reconstruction.vertex_spacing_mm);
+      });
+      count[v] = static_cast<uint32_t>(end - begin);
+    }
   });
 
   SurfaceGraph graph;
-  graph.first.assign(reconstruction.vertices.size() + 1, 0);
-  for (const auto& [a, b] : edges) {
-    ++graph.first[a + 1];
-    graph.neighbour.push_back(b);
-  }
-  for (size_t v = 0; v + 1 < graph.first.size(); ++v) graph.first[v + 1] += graph.first[v];
+  graph.first.assign(vertices.size() + 1, 0);
+  for (size_t v = 0; v < vertices.size(); ++v) graph.first[v + 1] = graph.first[v] + count[v];
+  graph.neighbour.reserve(graph.first.back());
+  for (size_t v = 0; v < vertices.size(); ++v)
+    graph.neighbour.insert(graph.neighbour.end(), ends.begin() + first[v],
+                           ends.begin() + first[v] + count[v]);
   return graph;
 }
 
