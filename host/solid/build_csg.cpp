@@ -9,12 +9,16 @@
 #include <gp_Ax2.hxx>
 #include <numbers>
 
+#include "host/base/excerpt.hpp"
 #include "host/solid/combine_shapes.hpp"
 #include "host/solid/extrude_outline.hpp"
 #include "host/solid/polyhedral_solid.hpp"
 
 namespace tetragauge {
 namespace {
+
+// As for every number of a call (csg_arguments.cpp).
+constexpr double kLargest = 1e15;
 
 constexpr const char* kSupported =
     "group, union, difference, intersection, multmatrix, color, render, cube, cylinder, sphere, polyhedron, "
@@ -142,7 +146,13 @@ TopoDS_Shape build(const CsgNode& node, const Affine& M) {
   if (node.name == "polyhedron") return polyhedron(node, M);
   if (node.name == "linear_extrude") return linear_extrude(node, M);
   if (node.name == "rotate_extrude") return rotate_extrude(node, M);
-  if (node.name == "multmatrix") return unite(node, children(M * matrix_argument(node)));
+  if (node.name == "multmatrix") {
+    const Affine placement = M * matrix_argument(node);
+    if (!(placement.A.cwiseAbs().maxCoeff() <= kLargest && placement.t.cwiseAbs().maxCoeff() <= kLargest))
+      throw CsgFailure(node,
+                       "multmatrix: with those around it it scales or shifts beyond 1e15; check the numbers");
+    return unite(node, children(placement));
+  }
   if (node.name == "difference") return subtract(node, children(M));
   if (node.name == "intersection") return intersect(node, children(M));
   if (node.name == "group" || node.name == "union" || node.name == "color" || node.name == "render") {
@@ -151,7 +161,8 @@ TopoDS_Shape build(const CsgNode& node, const Affine& M) {
   if (node.name == "polygon" || node.name == "square" || node.name == "circle") {
     throw CsgFailure(node, node.name + " is flat; put it into linear_extrude or rotate_extrude");
   }
-  throw CsgFailure(node, "'" + node.name + "' is not supported; rewrite the part with " + kSupported);
+  throw CsgFailure(node,
+                   "'" + excerpt(node.name) + "' is not supported; rewrite the part with " + kSupported);
 }
 
 void set_facets(std::vector<CsgNode>& nodes, bool keep_facets) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/base/excerpt.hpp"
+
 namespace tetragauge {
 namespace {
 
@@ -13,17 +15,26 @@ constexpr double kMostKeptFacets = 1000;
 constexpr double kDefaultFa_deg = 12, kDefaultFs = 2;  // OpenSCAD's own
 constexpr double kNoRadius = 0.00001;                  // below it OpenSCAD makes a triangle
 
+// Beyond it no part has a size, and products of such numbers overflow.
+constexpr double kLargest = 1e15;
+
 [[noreturn]] void fail(const CsgNode& node, std::string_view name, const std::string& expected) {
-  throw CsgFailure(node, node.name + ": '" + std::string(name) + "' must be " + expected);
+  throw CsgFailure(node, excerpt(node.name) + ": '" + excerpt(name) + "' must be " + expected);
+}
+
+// nullptr if it is no number of a size that a part can have.
+const double* number_of(const CsgValue& value) {
+  const double* number = std::get_if<double>(&value.value);
+  return number && std::abs(*number) <= kLargest ? number : nullptr;
 }
 
 std::vector<double> numbers(const CsgNode& node, std::string_view name, const CsgValue& value, size_t size) {
-  const std::string expected = "a list of " + std::to_string(size) + " numbers";
+  const std::string expected = "a list of " + std::to_string(size) + " numbers up to 1e15";
   const CsgList* list = std::get_if<CsgList>(&value.value);
   if (!list || list->size() != size) fail(node, name, expected);
   std::vector<double> result;
   for (const CsgValue& entry : *list) {
-    const double* number = std::get_if<double>(&entry.value);
+    const double* number = number_of(entry);
     if (!number) fail(node, name, expected);
     result.push_back(*number);
   }
@@ -42,8 +53,8 @@ const CsgValue* find_argument(const CsgNode& node, std::string_view name) {
 double number_argument(const CsgNode& node, std::string_view name, double otherwise) {
   const CsgValue* value = find_argument(node, name);
   if (!value) return otherwise;
-  const double* number = std::get_if<double>(&value->value);
-  if (!number) fail(node, name, "a number");
+  const double* number = number_of(*value);
+  if (!number) fail(node, name, "a number up to 1e15");
   return *number;
 }
 
@@ -64,7 +75,7 @@ bool bool_argument(const CsgNode& node, std::string_view name, bool otherwise) {
 std::vector<double> vector_argument(const CsgNode& node, std::string_view name, size_t size) {
   const CsgValue* value = find_argument(node, name);
   if (!value) fail(node, name, "given");
-  if (const double* number = std::get_if<double>(&value->value)) return std::vector<double>(size, *number);
+  if (const double* number = number_of(*value)) return std::vector<double>(size, *number);
   return numbers(node, name, *value, size);
 }
 

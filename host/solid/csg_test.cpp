@@ -266,5 +266,18 @@ TEST(Csg, ErrorsNameFileLineAndCall) {
             std::string::npos);
 }
 
+TEST(Csg, NumbersBeyondAllPartsAreErrorsThatNameTheirLine) {
+  const std::string huge =
+      "multmatrix([[1e12, 0, 0, 0], [0, 1e12, 0, 0], [0, 0, 1e12, 0], [0, 0, 0, 1]]) {\n";
+  EXPECT_NE(test::error_of(huge + huge + "cube(size = 1, center = false); } }").find(":2: multmatrix"),
+            std::string::npos);
+  EXPECT_NE(test::error_of("\nsphere($fn = 0, r = 1e300);").find(":2: sphere: 'r' must be"),
+            std::string::npos);
+  EXPECT_NE(test::error_of("cube(size = [1, 1, 1e16], center = false);").find("up to 1e15"),
+            std::string::npos);
+  // A name is quoted, not repeated.
+  EXPECT_LT(test::error_of(std::string(5000, 'x') + "();").size(), 700u);
+}
+
 }  // namespace
 }  // namespace tetragauge

@@ -50,6 +50,11 @@ def models():
               ('ply_list', 3, (head % 'binary_little_endian').replace('uchar', 'double').replace('vertex 8', 'vertex 0')
                .encode() + b'\xff' * 6 + b'\xef\x7f' + bytes(60)),
               ('csg_lists', 4, 'cube(' + '[' * 2000), ('csg_calls', 4, 'group(){' * 2000),
+              ('csg_numbers', 4, 'multmatrix([[1e308, 0, 0, 1e-320], [0, 1e308, 0, 0], [0, 0, 1e308, 0], [0, 0, 0, 1]]) {\n'
+               'cube(size = 5, center = 1); sphere($fn = 7.5, r = -1); circle($fn = 1e300, $fa = 0, $fs = -0, r = 1e-9); }\n'),
+              ('csg_extrude', 4, 'linear_extrude(height = 10, center = true, scale = [1, 1]) { polygon(points = [[0, 0], '
+               '[9, 0], [0, 9]], paths = [[0, 1, 2], [-1, 4294967296, 0.5]], convexity = 1); square(size = [1, 2, 3]); }\n'
+               'rotate_extrude(angle = 360, $fn = 48, $fa = 12, $fs = 2) { circle($fn = 24, r = 3); }\n'),
               ('point', 1, 'v 0 0 0\n' * 3 + 'f 1 2 3\n'), ('tiny', 2, off.replace('10', '1e-320').replace(
                   '20', '1e-320').replace('30', '1e-320')), ('huge', 2, off.replace('10', '1e300'))]
     return files
