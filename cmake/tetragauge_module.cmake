@@ -2,8 +2,10 @@
 # One module = one folder = one target. tetragauge_module(NAME DEPENDS targets... [TEST_DEPENDS targets...]
 # [SUBFOLDERS folders...]) compiles every x.cpp of the folder (and of the subfolders named) into the library
 # tetragauge_NAME and every x_test.cpp into one test program NAME_test. A folder without sources becomes a header-only
-# library.
-include(GoogleTest)
+# library. Tests are built for the host alone.
+if(NOT CMAKE_CROSSCOMPILING)
+  include(GoogleTest)
+endif()
 
 function(tetragauge_own_flags target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wconversion -Werror)
@@ -34,7 +36,7 @@ function(tetragauge_module name)
     target_include_directories(${library} INTERFACE ${PROJECT_SOURCE_DIR})
     target_link_libraries(${library} INTERFACE ${arg_DEPENDS})
   endif()
-  if(tests)
+  if(tests AND NOT CMAKE_CROSSCOMPILING)
     add_executable(${name}_test ${tests})
     target_link_libraries(${name}_test PRIVATE ${library} ${arg_TEST_DEPENDS} GTest::gtest_main)
     tetragauge_own_flags(${name}_test)

@@ -94,6 +94,9 @@ class Controller {
     if (m_.supervisor.input_fault() == tg_FaultCode_FAULT_INTERLOCK) m_.supervisor.laser_off();
   }
 
+  // A line for the host; `text` is a literal.
+  void log(tg_LogLevel level, const char* text) { m_.link.log(level, text); }
+
   tg_State state() const { return m_.state(); }
   tg_FaultCode fault() const { return m_.supervisor.fault(); }
   uint32_t view() const { return m_.scan.view(); }

@@ -24,6 +24,7 @@ EDGES = {
     'host/inspect': ['host/match'],
     'host/report': ['host/inspect'],
     'host/link': ['host/base', 'protocol', 'firmware/optics'],
+    'host/hello': ['host/link'],
     'host/session': ['host/link', 'host/scan'],
     'host/cli': ['host/session', 'host/report', 'host/simulate'],
     'protocol': [],
@@ -31,6 +32,8 @@ EDGES = {
     'firmware/optics': [],
     'sim': ['host/solid'],
     'boards/emulated': ['firmware', 'sim', 'host/solid'],
+    'boards/cortex_m4': [],
+    'boards/stm32_h405': ['boards/cortex_m4', 'firmware'],
 }
 # Libraries that one folder keeps to itself.
 ONLY_IN = {
@@ -39,7 +42,7 @@ ONLY_IN = {
     r'embree': ['host/solid'],
     r'libserialport': ['host/link', 'tests/pty_preload'],
     r'pb(_encode|_decode|_common)?\.h': ['protocol'],
-    r'CLI/': ['host/cli', 'boards/emulated', 'tests/bench'],
+    r'CLI/': ['host/cli', 'host/hello', 'boards/emulated', 'tests/bench'],
     r'(gp_|TopoDS|BRep|STEP|Standard_|Geom|TopExp|TDF|XCAF|Poly_|GProp|Shape)\w*\.hxx': ['host/solid'],
 }
 LICENCES = [('host/', 'GPL-3.0-or-later'), ('sim/', 'GPL-3.0-or-later'), ('tests/', 'GPL-3.0-or-later'),

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+// The image for the STM32-H405: the board, the controller on it, and the interrupts that join them.
+#include "boards/cortex_m4/startup.hpp"
+#include "boards/stm32_h405/stm32_board.hpp"
+#include "firmware/controller.hpp"
+
+namespace tetragauge {
+namespace {
+
+using ImageBoard = Stm32Board<ChipBus, TETRAGAUGE_MIRRORS>;
+using Firmware = Controller<ImageBoard>;
+
+// 'DFU!' here at reset: into the bootloader that is in the chip.
+constexpr uint32_t kIntoBootloader = 0x4446'5521;
+[[gnu::section(".keep")]] uint32_t reset_wish;
+[[gnu::section(".keep")]] uint32_t boot_count;
+
+void restart(bool into_bootloader) {
+  reset_wish = into_bootloader ? kIntoBootloader : 0;
+  reset_chip();
+}
+
+// No <new>: both are built in place, at their time and in their order.
+struct InPlace {
+  unsigned char* at;
+};
+template <class T>
+struct Place {
+  alignas(T) unsigned char bytes[sizeof(T)];
+  T& operator*() { return *reinterpret_cast<T*>(bytes); }
+  T* operator->() { return reinterpret_cast<T*>(bytes); }
+};
+constinit Place<ImageBoard> board = {};
+constinit Place<Firmware> firmware = {};
+// Something has happened that the main loop should look at.
+volatile bool woken;
+
+}  // namespace
+}  // namespace tetragauge
+
+void* operator new(size_t, tetragauge::InPlace place) noexcept {
+  return place.at;
+}
+
+namespace tetragauge {
+
+// AN2606, STM32F40xxx: system memory at 1FFF0000 begins with its stack and its start. From here the chip is
+// as after a reset, which is what it needs.
+void before_memory_is_ready() {
+  if (reset_wish != kIntoBootloader) return;
+  reset_wish = 0;
+  using I = Io<ChipBus>;
+  I::modify(rcc::kSyscfgOn(1));
+  I::modify(syscfg::kMemMode(syscfg::kSystemFlashAtZero));
+  ChipBus::barrier();
+  const uint32_t stack = ChipBus::read(0x1FFF'0000), start = ChipBus::read(0x1FFF'0004);
+  __asm__ volatile("msr msp, %0\n bx %1" ::"r"(stack), "r"(start));
+}
+
+void stop_outputs() {
+  pins::LaserOn::set<ChipBus>(false);
+  pins::MotorsOn::set<ChipBus>(false);
+}
+
+void reset_chip() {
+  Io<ChipBus>::write(core::kVectKey(core::kAircrKey) | core::kSysResetReq(1));
+  ChipBus::barrier();
+  for (;;) {
+  }
+}
+
+namespace {
+
+const char* name_of_crash(const Crash& crash) {
+  switch (crash.exception) {
+    case 3:
+      return "the firmware has crashed (hard fault) and started again";
+    case 4:
+    case 5:
+      return "the firmware has crashed (bus or memory fault) and started again";
+    case 6:
+      return "the firmware has crashed (usage fault) and started again";
+    default:
+      return "the firmware has crashed (unexpected interrupt) and started again";
+  }
+}
+
+void say_what_failed() {
+  Crash crash;
+  if (take_crash(&crash)) firmware->log(tg_LogLevel_LOG_ERROR, name_of_crash(crash));
+  for (uint32_t k = 0; k < kWaitFaults; ++k) {
+    const auto fault = static_cast<WaitFault>(k);
+    if (board->faults().has(fault)) firmware->log(tg_LogLevel_LOG_ERROR, name_of(fault));
+  }
+}
+
+}  // namespace
+
+void run_board() {
+  new (InPlace{board.bytes}) ImageBoard({&boot_count, restart, stack_never_used_bytes});
+  // Interrupts come from begin() on, and want the controller there.
+  const uint32_t gate = ChipBus::close_gate();
+  board->begin();
+  new (InPlace{firmware.bytes}) Firmware(*board);
+  ChipBus::open_gate(gate);
+  firmware->begin();
+  say_what_failed();
+  for (;;) {
+    woken = false;
+    firmware->poll();
+    const uint32_t closed = ChipBus::close_gate();
+    // An interrupt that came meanwhile ends the sleep at once; the next tick does in any case.
+    if (!woken && board->now_ns() < firmware->next_poll_ns()) ChipBus::sleep();
+    ChipBus::open_gate(closed);
+  }
+}
+
+}  // namespace tetragauge
+
+extern "C" {
+using namespace tetragauge;
+
+void Tick_Handler() {
+  board->on_tick();
+  woken = true;
+}
+void Line_Handler() {
+  board->line().on_usart_interrupt();
+  woken = true;
+}
+void LineOut_Handler() {
+  board->line().on_dma_interrupt();
+  woken = true;
+}
+void Step_Handler() {
+  board->steps().on_interrupt([](Axis axis) { firmware->on_step_timer(axis); });
+  woken = true;
+}
+void Interlock_Handler() {
+  board->input_pins().on_interrupt();
+  firmware->on_interlock();
+  woken = true;
+}
+void Alarm_Handler() {
+  if (board->clock().on_interrupt()) firmware->on_alarm();
+  woken = true;
+}
+void Samples_Handler() {
+  if (board->on_samples_dma()) firmware->on_samples();
+  woken = true;
+}
+
+extern const Handler core_vectors[16];
+[[gnu::section(".vectors.core"), gnu::used]] const Handler core_vectors[16] = {TETRAGAUGE_CORE_VECTORS};
+}
+
+namespace {
+// RM0090 12.2, table 62.
+struct InterruptVectors {
+  Handler handler[82];
+};
+constexpr InterruptVectors vectors_of_board() {
+  InterruptVectors vectors = {};
+  for (Handler& handler : vectors.handler) handler = Crash_Handler;
+  vectors.handler[usart1::kInterrupt] = Line_Handler;
+  vectors.handler[dma2::interrupt_of(7)] = LineOut_Handler;
+  vectors.handler[Tim2::kInterrupt] = Step_Handler;
+  vectors.handler[Tim4::kInterrupt] = Interlock_Handler;
+  vectors.handler[Tim5::kInterrupt] = Alarm_Handler;
+  vectors.handler[dma2::interrupt_of(0)] = Samples_Handler;
+  return vectors;
+}
+[[gnu::section(".vectors.interrupts"), gnu::used]] constexpr InterruptVectors interrupt_vectors =
+    vectors_of_board();
+}  // namespace

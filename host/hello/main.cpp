@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// tetragauge-hello: says Hello to a machine and prints version, status, log lines and self-test.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "host/link/link.hpp"
+#include "protocol/state_name.hpp"
+
+namespace tetragauge {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string port;
+  int baud = TransportOptions{}.baud;
+  bool json = false, bootloader = false;
+};
+
+const char* name_of(tg_SelfTestCheck check) {
+  static const char* const kNames[] = {"none",           "interlock",     "mirrors",       "laser driver",
+                                       "converter",      "dark camera 1", "dark camera 2", "noise camera 1",
+                                       "noise camera 2", "store",         "step timers",   "clock",
+                                       "transport"};
+  static_assert(sizeof kNames / sizeof kNames[0] == _tg_SelfTestCheck_MAX + 1);
+  return check <= _tg_SelfTestCheck_MAX ? kNames[check] : "a check of a newer machine";
+}
+
+const char* name_of(tg_SelfTestResult result) {
+  static const char* const kNames[] = {"none", "passed", "FAILED", "absent"};
+  static_assert(sizeof kNames / sizeof kNames[0] == _tg_SelfTestResult_MAX + 1);
+  return result <= _tg_SelfTestResult_MAX ? kNames[result] : "unknown";
+}
+
+const char* name_of(tg_ResetCause cause) {
+  static const char* const kNames[] = {"an unknown cause", "power", "the reset pin", "software",
+                                       "the watchdog"};
+  static_assert(sizeof kNames / sizeof kNames[0] == _tg_ResetCause_MAX + 1);
+  return cause <= _tg_ResetCause_MAX ? kNames[cause] : kNames[0];
+}
+
+Json describe(const tg_HelloReply& hello, const tg_Status& status, const std::vector<std::string>& logs,
+              const tg_SelfTestReply& test) {
+  Json out;
+  out["board"] = hello.board;
+  out["firmware_version"] = hello.firmware_version;
+  out["protocol_version"] = hello.protocol_version;
+  out["boot_id"] = hello.boot_id;
+  out["started_by"] = name_of(hello.reset_cause);
+  out["calibration"] = hello.calibration_id;
+  out["state"] = state_name(status.state);
+  out["clock_us"] = status.clock_us;
+  out["inputs"] = status.inputs;
+  out["log"] = logs;
+  out["self_test"] = Json::array();
+  for (pb_size_t i = 0; i < test.items_count; ++i) {
+    const tg_SelfTestItem& item = test.items[i];
+    out["self_test"].push_back({{"check", name_of(item.check)},
+                                {"result", name_of(item.result)},
+                                {"value", item.value},
+                                {"limit", item.limit}});
+  }
+  return out;
+}
+
+void print(const Json& out) {
+  const auto text = [&](const char* key) { return out[key].get<std::string>(); };
+  std::printf("%s, firmware %s, protocol %u\n", text("board").c_str(), text("firmware_version").c_str(),
+              out["protocol_version"].get<unsigned>());
+  std::printf("started by %s (boot id %08x), state %s, calibration: %s\n", text("started_by").c_str(),
+              out["boot_id"].get<unsigned>(), text("state").c_str(),
+              text("calibration").empty() ? "none, nominal numbers" : text("calibration").c_str());
+  for (const Json& line : out["log"]) std::printf("log: %s\n", line.get<std::string>().c_str());
+  std::printf("self-test:\n");
+  for (const Json& item : out["self_test"]) {
+    std::printf("  %-15s %-7s value %d, limit %d\n", item["check"].get<std::string>().c_str(),
+                item["result"].get<std::string>().c_str(), item["value"].get<int>(),
+                item["limit"].get<int>());
+  }
+}
+
+int fail(const Error& error) {
+  std::fprintf(stderr, "tetragauge-hello: %s\n", error.message.c_str());
+  return static_cast<int>(error.kind);
+}
+
+int run(const Options& options) {
+  TransportOptions line;
+  line.baud = options.baud;
+  auto transport = open_transport(options.port, line);
+  if (!transport) return fail(transport.error());
+  auto link = Link::connect(std::move(*transport));
+  if (!link) return fail(link.error());
+  tg_HostMessage message = tg_HostMessage_init_zero;
+  if (options.bootloader) {
+    message.which_body = tg_HostMessage_enter_bootloader_tag;
+    auto done = (*link)->request(message);
+    return done ? 0 : fail(done.error());
+  }
+  auto status = (*link)->status();
+  if (!status) return fail(status.error());
+  message.which_body = tg_HostMessage_self_test_tag;
+  auto test = (*link)->request(message);
+  if (!test) return fail(test.error());
+  std::vector<std::string> logs;
+  while (const auto log = (*link)->next_log()) logs.emplace_back(log->text);
+
+  const Json out = describe((*link)->machine(), *status, logs, test->body.self_test);
+  if (options.json) {
+    std::printf("%s\n", out.dump(1).c_str());
+  } else {
+    print(out);
+  }
+  for (const Json& item : out["self_test"]) {
+    if (item["result"] == name_of(tg_SelfTestResult_SELF_TEST_FAILED)) return 1;
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace tetragauge
+
+int main(int argc, char** argv) {
+  CLI::App app("Says Hello to a machine; prints its version, state, log and self-test.", "tetragauge-hello");
+  tetragauge::Options options;
+  app.add_option("--port", options.port, "/dev/ttyUSB0, unix:PATH or tcp:HOST:PORT")->required();
+  app.add_option("--baud", options.baud, "of a serial port")->capture_default_str();
+  app.add_flag("--json", options.json, "as JSON");
+  app.add_flag("--bootloader", options.bootloader, "into the chip's bootloader, for flashing");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : static_cast<int>(tetragauge::ErrorKind::usage);
+  }
+  return tetragauge::run(options);
+}

@@ -1,0 +1,95 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""usage: boots_test.py IMAGE.elf TETRAGAUGE_HELLO
+
+The image for the STM32-H405, byte for byte what is flashed, on QEMU's STM32F405 (machine netduinoplus2): boots, answers the
+host's own link library (Hello, Status, SelfTest), and names what this emulated chip lacks. That one has no RCC, GPIO, DAC,
+DMA, RNG or flash interface, its converters never end a conversion, its timers have no compare interrupt, and TIM2 runs at
+1 GHz (QEMU 7.2, hw/arm/stm32f405_soc.c) beside a SysTick at the right 168 MHz.
+"""
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+IMAGE, HELLO = sys.argv[1:3]
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
+
+
+class Machine:
+    """QEMU with the image, its serial line on a socket; the processor waits until somebody is there."""
+
+    def __enter__(self):
+        self.folder = tempfile.mkdtemp(prefix='tetragauge-')
+        self.socket = os.path.join(self.folder, 'line')
+        # Time is counted by instructions: what the timers show does not depend on how busy this machine is.
+        self.qemu = subprocess.Popen(
+            ['qemu-system-arm', '-M', 'netduinoplus2', '-display', 'none', '-monitor', 'none', '-icount', 'shift=3', '-kernel', IMAGE,
+             '-serial', f'unix:{self.socket},server=on,wait=on'], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        for _ in range(300):
+            if os.path.exists(self.socket):
+                return self
+            time.sleep(0.1)
+        raise AssertionError('QEMU does not open its serial line')
+
+    def __exit__(self, *_):
+        self.qemu.kill()
+        self.qemu.wait()
+        shutil.rmtree(self.folder)
+
+    def hello(self):
+        run = subprocess.run([HELLO, '--port', 'unix:' + self.socket, '--json'], capture_output=True, text=True, timeout=60)
+        assert run.returncode in (0, 1), run.stderr
+        return run.returncode, json.loads(run.stdout)
+
+
+class BootsOnNetduinoplus2(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        with Machine() as machine:
+            cls.code, cls.said = machine.hello()
+        print(json.dumps(cls.said, indent=1))
+        cls.test = {item['check']: item for item in cls.said['self_test']}
+
+    def test_hello_carries_the_versions_of_this_tree(self):
+        def number(path, pattern):
+            return re.search(pattern, open(os.path.join(ROOT, path), encoding='utf-8').read())[1]
+        self.assertEqual(self.said['board'], 'stm32_h405')
+        self.assertEqual(self.said['firmware_version'], number('firmware/version.hpp', r'kFirmwareVersion = "([^"]+)"'))
+        self.assertEqual(self.said['protocol_version'], int(number('protocol/frame.hpp', r'kProtocolVersion = (\d+)')))
+
+    def test_status_is_that_of_a_machine_with_nothing_plugged_in(self):
+        # No input is high: the interlock's loop is open, both end switches are.
+        self.assertEqual(self.said['state'], 'ESTOP')
+        self.assertEqual(self.said['inputs'], 32 | 64)
+
+    def test_self_test_names_what_this_chip_lacks(self):
+        self.assertEqual(self.code, 1)
+        failed = {check for check, item in self.test.items() if item['result'] == 'FAILED'}
+        self.assertEqual(failed, {'interlock', 'mirrors', 'laser driver', 'converter', 'dark camera 1', 'dark camera 2',
+                                  'noise camera 1', 'noise camera 2', 'step timers', 'clock', 'transport'})
+        self.assertEqual(self.test['transport']['value'], 0)  # on interrupts: there is no DMA
+        self.assertEqual({check for check in self.test} - failed, {'store'})
+
+    def test_every_wait_that_ended_without_is_named(self):
+        for name in ('RCC_CR.HSERDY', 'RCC_CR.PLLRDY', 'FLASH_ACR.LATENCY', 'DMA2 copies nothing', 'RNG_SR.DRDY'):
+            self.assertEqual(sum(line.startswith(name) for line in self.said['log']), 1, name)
+        # And nothing else but that there is no calibration.
+        self.assertEqual(len(self.said['log']), 6, self.said['log'])
+
+    def test_systick_and_tim2_are_timed_against_each_other(self):
+        # 1 GHz instead of 84 MHz: off by 1000 / 84 - 1.
+        expected = (1000 / 84 - 1) * 1e6
+        self.assertAlmostEqual(self.test['clock']['value'], expected, delta=0.01 * expected)
+
+
+if __name__ == '__main__':
+    if shutil.which('qemu-system-arm') is None:
+        print('boots_on_netduinoplus2: skipped, qemu-system-arm is missing; run script/setup, which installs it')
+        sys.exit(77)
+    unittest.main(argv=sys.argv[:1], verbosity=2)
