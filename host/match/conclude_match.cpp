@@ -6,8 +6,10 @@
 #include <numbers>
 #include <set>
 
+#include "host/match/find_misplaced.hpp"
 #include "host/match/free_directions.hpp"
 #include "host/match/rank_poses.hpp"
+#include "host/match/rule_out.hpp"
 
 namespace tetragauge {
 namespace {
@@ -58,10 +60,48 @@ double offset_at_model_centroid(const PlaneSet& model, const MatchPlane& face, c
   return normal.dot(T * seen.point_mm - face.point_mm) / normal.dot(face.normal);
 }
 
+std::vector<FreeDirection> undetermined(const PlaneSet& model, const PlaneSet& measured,
+                                        const std::vector<PlanePair>& pairs, const RigidTransform& T) {
+  std::vector<Vec3> normals;
+  Vec3 point = Vec3::Zero();
+  for (const PlanePair& pair : pairs) {
+    normals.push_back(model.planes[pair.model].normal);
+    point += (T * measured.planes[pair.measured].point_mm) / static_cast<double>(pairs.size());
+  }
+  return free_directions(normals, point);
+}
+
 }  // namespace
 
-Match conclude_match(const PlaneSet& model, const PlaneSet& measured, const SearchGates& gates,
-                     const RankedPoses& ranked) {
+void write_pairs(const PlaneSet& model, const PlaneSet& measured, const std::vector<PlanePair>& pairs,
+                 const std::vector<bool>& used, Match& match) {
+  const std::vector<PlaneObservation> seen = observations(model, measured, pairs);
+  std::set<int> model_ids(model.other_ids.begin(), model.other_ids.end());
+  std::set<int> measured_ids(measured.other_ids.begin(), measured.other_ids.end());
+  for (const MatchPlane& face : model.planes) model_ids.insert(face.id);
+  for (const MatchPlane& face : measured.planes) measured_ids.insert(face.id);
+  for (size_t k = 0; k < pairs.size(); ++k) {
+    const MatchPlane& face = model.planes[pairs[k].model];
+    FacePair pair;
+    pair.model = face.id;
+    pair.measured = measured.planes[pairs[k].measured].id;
+    pair.offset_mm = offset_at_model_centroid(model, face, seen[k], match.T_model_part);
+    const Vec3 residual = plane_residual(seen[k], match.T_model_part);
+    pair.angle_rad = std::hypot(residual[1], residual[2]);
+    pair.used_in_pose = used[k];
+    match.pairs.push_back(pair);
+    model_ids.erase(pair.model);
+    measured_ids.erase(pair.measured);
+  }
+  std::sort(match.pairs.begin(), match.pairs.end(), [](const FacePair& a, const FacePair& b) {
+    return std::tie(a.model, a.measured) < std::tie(b.model, b.measured);
+  });
+  match.unmatched_model.assign(model_ids.begin(), model_ids.end());
+  match.unmatched_measured.assign(measured_ids.begin(), measured_ids.end());
+  match.undetermined = undetermined(model, measured, pairs, match.T_model_part);
+}
+
+Match conclude_match(const MatchInput& input, const RankedPoses& ranked) {
   // Among poses of equal cost (a symmetric part's differ by rounding only) the one nearest to no rotation.
   size_t chosen = 0;
   const auto angle = [&](size_t k) { return rotation_angle(ranked.poses[k].pose.T_model_part.R); };
@@ -72,45 +112,23 @@ Match conclude_match(const PlaneSet& model, const PlaneSet& measured, const Sear
   Match match;
   match.T_model_part = best.pose.T_model_part;
   match.covariance = best.pose.covariance;
-  match.centroid_mm = model.pivot_mm;
+  match.centroid_mm = input.model.pivot_mm;
   match.rms_mm = best.pose.rms_mm;
-  match.max_offset_mm = gates.offset_mm;
+  match.max_offset_mm = input.gates.offset_mm;
   match.poses_compared = ranked.compared;
 
-  const std::vector<PlaneObservation> seen = observations(model, measured, best.pairs);
-  std::set<int> model_ids(model.other_ids.begin(), model.other_ids.end());
-  std::set<int> measured_ids(measured.other_ids.begin(), measured.other_ids.end());
-  for (const MatchPlane& face : model.planes) model_ids.insert(face.id);
-  for (const MatchPlane& face : measured.planes) measured_ids.insert(face.id);
-  std::vector<Vec3> normals;
-  Vec3 point = Vec3::Zero();
-  for (size_t k = 0; k < best.pairs.size(); ++k) {
-    const MatchPlane& face = model.planes[best.pairs[k].model];
-    FacePair pair;
-    pair.model = face.id;
-    pair.measured = measured.planes[best.pairs[k].measured].id;
-    pair.offset_mm = offset_at_model_centroid(model, face, seen[k], match.T_model_part);
-    const Vec3 residual = plane_residual(seen[k], match.T_model_part);
-    pair.angle_rad = std::hypot(residual[1], residual[2]);
-    pair.used_in_pose = best.pose.used[k];
-    match.pairs.push_back(pair);
-    model_ids.erase(pair.model);
-    measured_ids.erase(pair.measured);
-    normals.push_back(face.normal);
-    point += (match.T_model_part * seen[k].point_mm) / static_cast<double>(best.pairs.size());
-  }
-  std::sort(match.pairs.begin(), match.pairs.end(), [](const FacePair& a, const FacePair& b) {
-    return std::tie(a.model, a.measured) < std::tie(b.model, b.measured);
-  });
-  match.unmatched_model.assign(model_ids.begin(), model_ids.end());
-  match.unmatched_measured.assign(measured_ids.begin(), measured_ids.end());
-  match.undetermined = free_directions(normals, point);
+  write_pairs(input.model, input.measured, best.pairs, best.pose.used, match);
   for (size_t k = 0; k < ranked.poses.size(); ++k) {
     if (k == chosen) continue;
     const RigidTransform& other = ranked.poses[k].pose.T_model_part;
-    match.equivalents.push_back({other, reason(model, other, match.T_model_part, gates.is_unsigned,
-                                               std::abs(ranked.poses[k].cost - best.cost))});
+    match.equivalents.push_back({other,
+                                 reason(input.model, other, match.T_model_part, input.gates.is_unsigned,
+                                        std::abs(ranked.poses[k].cost - best.cost)),
+                                 undetermined(input.model, input.measured, ranked.poses[k].pairs, other)});
   }
+  for (const RankedPose& rival : ranked.rivals)
+    match.ruled_out.push_back(ruled_out_by_faces(input, ranked, best, rival));
+  match.misplaced = find_misplaced(input, best, match);
   return match;
 }
 

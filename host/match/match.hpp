@@ -15,10 +15,23 @@
 
 namespace tetragauge {
 
+// One model face and one measured face.
+struct FaceIds {
+  int model = 0, measured = 0;
+  auto operator<=>(const FaceIds&) const = default;
+};
+
+// What a person knows better than the search: pairs that must be, and pairs that must not be.
+struct PairRules {
+  std::vector<FaceIds> fixed, forbidden;
+  bool empty() const { return fixed.empty() && forbidden.empty(); }
+};
+
 struct MatchOptions {
   bool is_unsigned = false;  // normals do not tell the side of the material
   double max_offset_mm = 0;  // farther from its place a face is not that face; 0: 1.5 % of the part's size
   double max_angle_rad = 0;  // the same for its direction; 0: 3.5 degrees
+  PairRules rules;
 };
 
 struct FacePair {
@@ -28,15 +41,32 @@ struct FacePair {
   bool used_in_pose = true;  // false: out of place or tilted, so the pose was fitted without it
 };
 
-struct EquivalentPose {
-  RigidTransform T_model_part;
-  std::string why;
-};
-
 struct FreeDirection {
   enum class Kind { translation, rotation } kind = Kind::translation;
   Vec3 axis = Vec3::Zero();      // unit, model frame
   Vec3 point_mm = Vec3::Zero();  // on the axis of a rotation, model frame
+};
+
+struct EquivalentPose {
+  RigidTransform T_model_part;
+  std::string why;
+  std::vector<FreeDirection> undetermined;  // it may rest on other faces than the chosen pose
+};
+
+// A pose that fits all but a few faces, and what rules it out.
+struct RuledOutPose {
+  RigidTransform T_model_part;
+  std::vector<int> model_faces;  // that decided, ascending
+  std::string why;
+};
+
+// Faces that fit one another but not the rest: the right shape in the wrong place.
+struct MisplacedFeature {
+  std::vector<FaceIds> pairs;               // ascending
+  RigidTransform T_model_part;              // of this feature alone
+  Vec3 shift_mm = Vec3::Zero();             // of its middle from where it should be, model frame
+  double turn_rad = 0;                      // from how it should stand
+  std::vector<FreeDirection> undetermined;  // in which its own faces do not say where it is
 };
 
 struct Match {
@@ -48,7 +78,9 @@ struct Match {
   std::vector<FacePair> pairs;      // ascending model id
   std::vector<int> unmatched_model, unmatched_measured;  // ids, ascending
   std::vector<EquivalentPose> equivalents;
+  std::vector<RuledOutPose> ruled_out;  // of a near-symmetric part, the nearest first
   std::vector<FreeDirection> undetermined;
+  std::vector<MisplacedFeature> misplaced;
   double max_offset_mm = 0;   // the gate used: a face farther from its place was not taken for that face
   size_t poses_compared = 0;  // full poses (rotation and translation) that were scored
 };

@@ -216,6 +216,15 @@ TEST(MatchFaceLists, NearSymmetricBoxIsResolvedByOneStep) {
     ASSERT_TRUE(match.ok());
     EXPECT_TRUE(holds(match->T_model_part, t.T_model_part, {}, part_centre(model), 0.3 * kDeg, 0.3)) << n;
     EXPECT_TRUE(match->equivalents.empty()) << n;
+    // The three half turns fit all but the step's faces 3 (its tread) and 4 (its riser).
+    EXPECT_GE(match->ruled_out.size(), 1u) << n;
+    for (const RuledOutPose& other : match->ruled_out) {
+      EXPECT_NEAR(rotation_angle(other.T_model_part.R * match->T_model_part.R.transpose()), 180 * kDeg,
+                  1 * kDeg);
+      EXPECT_TRUE(std::any_of(other.model_faces.begin(), other.model_faces.end(), [](int id) {
+        return id == 3 || id == 4;
+      })) << other.why;
+    }
   }
 }
 

@@ -4,9 +4,11 @@
 // tilts and covariance are sufficient statistics of the points it was fitted to.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "host/match/match.hpp"
 #include "host/match/rank_poses.hpp"
+#include "host/match/rule_out.hpp"
 #include "host/match/score_rays.hpp"
 
 namespace tetragauge {
@@ -15,44 +17,62 @@ namespace {
 // The lists alone may prefer a wrong pose of a near-symmetric part by a small face or two.
 constexpr double kLetRaysDecide = 3 * kFaceCost;
 
-// Keeps the poses that the rays contradict no more than the best; points on no face of the part (fixture,
-// table) contradict all poses alike.
-void keep_what_rays_allow(std::vector<RankedPose>& poses, const RayCaster& caster, const Scan& scan,
-                          double tolerance_mm) {
+// Keeps the poses that the rays contradict no more than the best, and returns the others with what rules them
+// out; points on no face of the part (fixture, table) contradict all poses alike.
+std::vector<RuledOutPose> keep_what_rays_allow(std::vector<RankedPose>& poses, const RayCaster& caster,
+                                               const Scan& scan, double tolerance_mm) {
   // Some 2,000 rays show a difference of one part in a hundred; with many poses to compare, fewer.
   const size_t samples = std::clamp<size_t>(20000 / poses.size(), 300, 2000);
   std::vector<RayScore> scores;
   for (const RankedPose& pose : poses)
     scores.push_back(score_rays(caster, scan, pose.pose.T_model_part, samples, tolerance_mm));
-  size_t least = scores[0].against();
-  for (const RayScore& score : scores) least = std::min(least, score.against());
+  size_t best = 0;
+  for (size_t k = 1; k < scores.size(); ++k)
+    if (scores[k].against() < scores[best].against()) best = k;
+  const auto least = static_cast<double>(scores[best].against());
   // Counts of rays near the tolerance scatter like a binomial; beyond four sigma it is no chance.
-  const double limit = static_cast<double>(least) + 4 * std::sqrt(static_cast<double>(least) + 4);
+  const double limit = least + 4 * std::sqrt(least + 4);
+  const RigidTransform T_best = poses[best].pose.T_model_part;
   std::vector<RankedPose> kept;
-  for (size_t k = 0; k < poses.size(); ++k)
-    if (static_cast<double>(scores[k].against()) <= limit) kept.push_back(std::move(poses[k]));
+  std::vector<RuledOutPose> ruled_out;
+  for (size_t k = 0; k < poses.size(); ++k) {
+    if (static_cast<double>(scores[k].against()) <= limit) {
+      kept.push_back(std::move(poses[k]));
+    } else if (ruled_out.size() < kMostRuledOut) {
+      ruled_out.push_back(ruled_out_by_rays(poses[k].pose.T_model_part, scores[k], T_best, scores[best]));
+    }
+  }
   poses = std::move(kept);
+  return ruled_out;
 }
 
 }  // namespace
 
 Result<Match> match_scan(const Solid& solid, const RayCaster& caster, const Scan& scan,
                          const MeasuredFaces& faces, const MatchOptions& options) {
-  Result<PlaneSet> model = model_planes(solid.list);
-  if (!model) return model.error();
-  model->pivot_mm = solid.centroid_mm;
-  model->size_mm = (solid.box_max_mm - solid.box_min_mm).norm();
-  const Result<PlaneSet> measured = measured_planes(faces.list);
-  if (!measured) return measured.error();
-  const SearchGates gates = search_gates(*model, options);
-  RankedPoses ranked = rank_poses(*model, *measured, gates, kLetRaysDecide);
-  if (ranked.poses.empty()) return no_pose_error(*model, *measured);
+  const double size_mm = (solid.box_max_mm - solid.box_min_mm).norm();
+  MatchOptions known = options;  // a solid knows its size and its centroid, which a list only suggests
+  if (!(known.max_offset_mm > 0)) known.max_offset_mm = kDefaultMaxOffset * size_mm;
+  Result<MatchInput> input = match_input(solid.list, faces.list, known);
+  if (!input) return input.error();
+  input->model.size_mm = size_mm;
+  input->model.pivot_mm = solid.centroid_mm;
+  RankedPoses ranked = rank_poses(*input, kLetRaysDecide);
+  if (ranked.poses.empty()) return no_pose_error(input->model, input->measured, input->gates);
+  std::vector<RuledOutPose> ruled_out;
   if (ranked.poses.size() > 1) {
-    keep_what_rays_allow(ranked.poses, caster, scan, 0.3 * gates.offset_mm);
+    ruled_out = keep_what_rays_allow(ranked.poses, caster, scan, 0.3 * input->gates.offset_mm);
     const double limit = ranked.poses[0].cost + kSameCost;
-    std::erase_if(ranked.poses, [&](const RankedPose& pose) { return pose.cost >= limit; });
+    const auto cheap = std::find_if(ranked.poses.begin(), ranked.poses.end(),
+                                    [&](const RankedPose& pose) { return pose.cost >= limit; });
+    ranked.rivals.insert(ranked.rivals.begin(), std::make_move_iterator(cheap),
+                         std::make_move_iterator(ranked.poses.end()));
+    ranked.poses.erase(cheap, ranked.poses.end());
   }
-  return conclude_match(*model, *measured, gates, ranked);
+  Match match = conclude_match(*input, ranked);
+  match.ruled_out.insert(match.ruled_out.begin(), ruled_out.begin(), ruled_out.end());
+  if (match.ruled_out.size() > kMostRuledOut) match.ruled_out.resize(kMostRuledOut);
+  return match;
 }
 
 }  // namespace tetragauge

@@ -2,6 +2,7 @@
 // Matching with rays: what face lists alone cannot tell.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
@@ -87,6 +88,15 @@ TEST(MatchScan, ABoxWithAHoleIsResolvedByRaysAlone) {
   const Simulated run = match_simulated(model, 8000, 1);
   EXPECT_TRUE(run.match->equivalents.empty());
   EXPECT_LT(rotation_angle(run.error.R), 0.02 * std::numbers::pi / 180);
+  // The three other poses (and those that fit four of the six planes) are ruled out by the bore.
+  const auto bore = std::find_if(model.faces().begin(), model.faces().end(),
+                                 [](const Face& face) { return face.type == SurfaceType::cylinder; });
+  ASSERT_NE(bore, model.faces().end());
+  EXPECT_GE(run.match->ruled_out.size(), 3u);
+  for (const RuledOutPose& other : run.match->ruled_out)
+    EXPECT_TRUE(std::find(other.model_faces.begin(), other.model_faces.end(), bore->id) !=
+                other.model_faces.end())
+        << other.why;
 }
 
 }  // namespace

@@ -74,8 +74,14 @@ std::vector<PlanePair> pair_planes(const PlaneSet& model, const PlaneSet& measur
     int best_group = -1;
     for (size_t i = 0; i < model.planes.size(); ++i) {
       const MatchPlane& face = model.planes[i];
+      if (!gates.allowed(i, j)) continue;
       const double cosine = face.normal.dot(normal);
       const bool flipped = gates.is_unsigned && cosine < 0;
+      if (gates.allowed.is_fixed(i, j)) {  // not asked further
+        best = {{i, j, flipped}, 0, flipped ? Vec3(-normal) : normal, 0, 0};
+        best_group = face.group;
+        break;
+      }
       if ((flipped ? -cosine : cosine) < least_cosine) continue;
       if (areas_known &&
           measured.planes[j].area_mm2 > kMostArea * model.group_area_mm2[static_cast<size_t>(face.group)])
@@ -113,7 +119,9 @@ std::vector<PlanePair> pair_planes(const PlaneSet& model, const PlaneSet& measur
     const Fit& best = fits[k];
     const size_t first = pairs.size();
     for (; k < fits.size() && fits[k].pair.model == best.pair.model; ++k)
-      if (&fits[k] == &best || is_fragment(fits[k], best, fragment)) pairs.push_back(fits[k].pair);
+      if (&fits[k] == &best || gates.allowed.is_fixed(fits[k].pair.model, fits[k].pair.measured) ||
+          is_fragment(fits[k], best, fragment))
+        pairs.push_back(fits[k].pair);
     std::sort(pairs.begin() + static_cast<std::ptrdiff_t>(first), pairs.end(),
               [](const PlanePair& a, const PlanePair& b) { return a.measured < b.measured; });
   }
@@ -129,15 +137,15 @@ std::vector<PlaneObservation> observations(const PlaneSet& model, const PlaneSet
   return out;
 }
 
-double pose_cost(const PlaneSet& model, const PlaneSet& measured, const RigidTransform& T,
-                 const std::vector<PlanePair>& pairs, double scatter_mm, double scatter_rad) {
+std::vector<double> face_costs(const PlaneSet& model, const PlaneSet& measured, const RigidTransform& T,
+                               const std::vector<PlanePair>& pairs, double scatter_mm, double scatter_rad) {
   double largest_mm2 = 0;
   for (const MatchPlane& seen : measured.planes) largest_mm2 = std::max(largest_mm2, seen.area_mm2);
   // A face of a fiftieth of the largest one's area counts half: it may well be an artefact.
   const auto weight = [&](double area_mm2) { return area_mm2 / (area_mm2 + 0.02 * largest_mm2); };
 
-  double cost = 0;
-  for (const MatchPlane& seen : measured.planes) cost += kFaceCost * weight(seen.area_mm2);
+  std::vector<double> costs;
+  for (const MatchPlane& seen : measured.planes) costs.push_back(kFaceCost * weight(seen.area_mm2));
   std::vector<double> on_plane_mm2(model.group_area_mm2.size(), 0.0);
   for (const PlanePair& pair : pairs) {
     const MatchPlane& seen = measured.planes[pair.measured];
@@ -147,18 +155,20 @@ double pose_cost(const PlaneSet& model, const PlaneSet& measured, const RigidTra
     covariance(1, 1) += scatter_rad * scatter_rad;
     covariance(2, 2) += scatter_rad * scatter_rad;
     const Vec3 r = plane_residual(observed, T);
-    const double q = std::min(kFaceCost, r.dot(covariance.ldlt().solve(r)));
-    cost -= (kFaceCost - q) * weight(seen.area_mm2);
+    costs[pair.measured] = std::min(kFaceCost, r.dot(covariance.ldlt().solve(r))) * weight(seen.area_mm2);
     on_plane_mm2[static_cast<size_t>(model.planes[pair.model].group)] += seen.area_mm2;
   }
   if (model.has_areas && measured.has_areas) {
-    for (size_t g = 0; g < on_plane_mm2.size(); ++g) {
+    for (const PlanePair& pair : pairs) {
+      const auto g = static_cast<size_t>(model.planes[pair.model].group);
       // From a quarter to a half more than the model has: what nobody would measure by chance.
       const double excess = on_plane_mm2[g] / model.group_area_mm2[g] - kAreaSlack;
-      if (excess > 0) cost += kFaceCost * std::min(1.0, excess / 0.25) * weight(on_plane_mm2[g]);
+      if (excess <= 0) continue;
+      costs[pair.measured] += kFaceCost * std::min(1.0, excess / 0.25) * weight(on_plane_mm2[g]) *
+                              measured.planes[pair.measured].area_mm2 / on_plane_mm2[g];
     }
   }
-  return cost;
+  return costs;
 }
 
 }  // namespace tetragauge

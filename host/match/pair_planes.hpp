@@ -35,11 +35,12 @@ std::vector<PlaneObservation> observations(const PlaneSet& model, const PlaneSet
 // face costs by chance (3 on average, 16 once in a thousand), so that one face can decide.
 inline constexpr double kFaceCost = 25;
 
-// Sum over the measured faces of min(r' C^-1 r, kFaceCost), r the offset and tilts on the paired model face
-// and C their covariance with the given scatter; kFaceCost where there is none, or where the faces of one
-// plane have more area than the model. Small faces count for less. The difference of two poses is a
-// log-likelihood ratio, times two.
-double pose_cost(const PlaneSet& model, const PlaneSet& measured, const RigidTransform& T_model_part,
-                 const std::vector<PlanePair>& pairs, double scatter_mm, double scatter_rad);
+// What each measured face says against a pose: min(r' C^-1 r, kFaceCost), r the offset and tilts on the
+// paired model face and C their covariance with the given scatter; kFaceCost where there is none; and its
+// share of a penalty where the faces of one plane have more area than the model. Small faces count for less.
+// The difference of two poses' sums is a log-likelihood ratio, times two.
+std::vector<double> face_costs(const PlaneSet& model, const PlaneSet& measured,
+                               const RigidTransform& T_model_part, const std::vector<PlanePair>& pairs,
+                               double scatter_mm, double scatter_rad);
 
 }  // namespace tetragauge

@@ -9,25 +9,6 @@
 namespace tetragauge {
 namespace {
 
-// The point nearest to all planes, weighted by area (the thesis's plane centre); along directions that no
-// plane bounds it stays at the origin.
-Vec3 plane_centre(const std::vector<MatchPlane>& planes) {
-  Mat3 normal_equations = Mat3::Zero();
-  Vec3 right = Vec3::Zero();
-  for (const MatchPlane& plane : planes) {
-    normal_equations += plane.area_mm2 * plane.normal * plane.normal.transpose();
-    right += plane.area_mm2 * plane.d_mm * plane.normal;
-  }
-  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(normal_equations);
-  Vec3 centre = Vec3::Zero();
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 axis = eigen.eigenvectors().col(k);
-    const double weight = eigen.eigenvalues()[k];
-    if (weight > 1e-4 * eigen.eigenvalues()[2]) centre += axis * (axis.dot(right) / weight);
-  }
-  return centre;
-}
-
 // The frame u, v exactly across the normal, with u x v = normal; a tilt about -v is minus a tilt about v.
 PlaneCovariance right_handed(PlaneCovariance covariance, const Vec3& normal) {
   covariance.u = (covariance.u - normal * normal.dot(covariance.u)).normalized();
@@ -103,6 +84,23 @@ void find_groups(PlaneSet& set) {
 }
 
 }  // namespace
+
+Vec3 plane_centre(const std::vector<MatchPlane>& planes) {
+  Mat3 normal_equations = Mat3::Zero();
+  Vec3 right = Vec3::Zero();
+  for (const MatchPlane& plane : planes) {
+    normal_equations += plane.normal * plane.normal.transpose();
+    right += plane.d_mm * plane.normal;
+  }
+  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(normal_equations);
+  Vec3 centre = Vec3::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 axis = eigen.eigenvectors().col(k);
+    const double weight = eigen.eigenvalues()[k];
+    if (weight > 1e-4 * eigen.eigenvalues()[2]) centre += axis * (axis.dot(right) / weight);
+  }
+  return centre;
+}
 
 PlaneSet plane_set(const FaceList& list, double direction_rad) {
   PlaneSet set;

@@ -42,4 +42,8 @@ struct PlaneSet {
 // Faces whose normals differ by less than `direction_rad` from that of a larger face share its direction.
 PlaneSet plane_set(const FaceList& list, double direction_rad);
 
+// The thesis's plane centre: the point whose squared distances to the planes have the least sum. Along
+// directions that no plane bounds it stays at the origin.
+Vec3 plane_centre(const std::vector<MatchPlane>& planes);
+
 }  // namespace tetragauge

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kChi2_3_999 = 16.27;  // 99.9 % of chi-square with 3 degrees of freedom: offset and two tilts
 constexpr double kChi2_1_median = 0.4549;
+constexpr double kPriorFreedom = 4;
 
 using Rows = Eigen::Matrix<double, 3, 6>;
 
@@ -39,7 +40,7 @@ Mat3 information(const PlaneObservation& seen, double scatter_mm, double scatter
   covariance(0, 0) += scatter_mm * scatter_mm;
   covariance(1, 1) += scatter_rad * scatter_rad;
   covariance(2, 2) += scatter_rad * scatter_rad;
-  return covariance.ldlt().solve(Mat3::Identity());
+  return covariance.inverse();
 }
 
 RigidTransform moved(const RigidTransform& T, const Vec6& step, const Vec3& pivot) {
@@ -51,8 +52,9 @@ RigidTransform moved(const RigidTransform& T, const Vec6& step, const Vec3& pivo
 
 class Fit {
  public:
-  Fit(const std::vector<PlaneObservation>& seen, const RigidTransform& start, const Vec3& pivot, double size)
-      : seen_(seen), pivot_(pivot), size_mm_(size), weight_(seen.size(), 1.0) {
+  Fit(const std::vector<PlaneObservation>& seen, const RigidTransform& start, const Vec3& pivot, double size,
+      const ScatterPrior& prior)
+      : seen_(seen), pivot_(pivot), size_mm_(size), prior_(prior), weight_(seen.size(), 1.0) {
     result_.T_model_part = start;
     double smallest_mm2 = 0, smallest_rad2 = 0;
     for (const PlaneObservation& o : seen) {
@@ -144,13 +146,18 @@ class Fit {
       // The mean of two squares has its median at ln 2 of a variance.
       tilts.push_back({0.5 * (r[1] * r[1] + r[2] * r[2]), 0.5 * (own(1, 1) + own(2, 2))});
     }
-    result_.scatter_mm = scatter(offsets, robust, 3, kChi2_1_median, floor_mm_);
-    result_.scatter_rad = scatter(tilts, robust, 1.5, std::log(2.0), floor_rad_);
+    result_.scatter_mm = scatter(offsets, robust, 3, kChi2_1_median, floor_mm_, prior_.mm, 6);
+    result_.scatter_rad = scatter(tilts, robust, 1.5, std::log(2.0), floor_rad_, prior_.rad, 1.5);
   }
 
   static double scatter(const std::vector<Deviation>& deviations, bool robust, double parameters,
-                        double median, double floor) {
+                        double median, double floor, double prior, double most_parameters) {
     const double freedom = static_cast<double>(deviations.size()) - parameters;
+    // Offsets that six parameters can fit exactly say nothing about the scatter, and a fit that trusted them
+    // so would turn the part to please them.
+    const double known = static_cast<double>(deviations.size()) - most_parameters;
+    const double believed = std::clamp((kPriorFreedom - known) / kPriorFreedom, 0.0, 1.0);
+    floor = std::max(floor, prior * std::sqrt(believed));
     if (freedom < 0.5) return floor;
     std::vector<double> squares(deviations.size());
     const auto statistic = [&](double added) {
@@ -262,6 +269,7 @@ class Fit {
   const std::vector<PlaneObservation>& seen_;
   Vec3 pivot_;
   double size_mm_;
+  ScatterPrior prior_;
   double floor_mm_ = 0, floor_rad_ = 0;
   std::vector<double> weight_;
   RefinedPose result_;
@@ -294,8 +302,8 @@ PlaneObservation observe(const MatchPlane& model, const MatchPlane& measured, bo
 }
 
 RefinedPose refine_pose(const std::vector<PlaneObservation>& observations, const RigidTransform& start,
-                        const Vec3& pivot_mm, double size_mm) {
-  return Fit(observations, start, pivot_mm, size_mm).run();
+                        const Vec3& pivot_mm, double size_mm, const ScatterPrior& prior) {
+  return Fit(observations, start, pivot_mm, size_mm, prior).run();
 }
 
 }  // namespace tetragauge

@@ -27,9 +27,15 @@ struct RefinedPose {
   double scatter_mm = 0, scatter_rad = 0;
 };
 
+// The scatter that is expected before the faces are seen. It counts as much as four of them would, less those
+// that there are; 0 where the faces' own uncertainties are known.
+struct ScatterPrior {
+  double mm = 0, rad = 0;
+};
+
 // `size_mm` sets the floor of the scatter where the list has no uncertainty of its own.
 RefinedPose refine_pose(const std::vector<PlaneObservation>& observations, const RigidTransform& start,
-                        const Vec3& pivot_mm, double size_mm);
+                        const Vec3& pivot_mm, double size_mm, const ScatterPrior& prior);
 
 // Offset [mm], tilt about u, tilt about v [rad] of the observed plane against the model's, in pose T.
 Vec3 plane_residual(const PlaneObservation& observation, const RigidTransform& T_model_part);

@@ -26,10 +26,13 @@ RayScore score_rays(const RayCaster& caster, const Scan& scan, const RigidTransf
     const std::optional<RayHit> hit = caster.first_hit(origin, direction);
     const double across = hit ? std::max(kLeastCosine, std::abs(hit->normal.dot(direction))) : 1.0;
     const double tolerance = std::max(3.0 * static_cast<double>(scan.sigma_mm[i]), tolerance_mm / across);
-    if (hit && hit->distance_mm < range - tolerance) {
+    const bool through = hit && hit->distance_mm < range - tolerance;
+    const bool in_air = !hit || hit->distance_mm > range + tolerance;
+    score.sampled.push_back({hit ? hit->face : -1, through || in_air});
+    if (through) {
       ++score.through;
       score.inside_mm += caster.length_inside(origin, point - tolerance * direction);
-    } else if (!hit || hit->distance_mm > range + tolerance) {
+    } else if (in_air) {
       ++score.in_air;
     }
   }

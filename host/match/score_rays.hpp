@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "host/geometry/rigid_transform.hpp"
 #include "host/scan/scan.hpp"
@@ -10,11 +11,17 @@
 
 namespace tetragauge {
 
+struct SampledRay {
+  int face = -1;  // index of the model face its beam met first; -1: none
+  bool is_against = false;
+};
+
 struct RayScore {
   size_t rays = 0;       // sampled
   size_t through = 0;    // went through the posed model's material before their point
   size_t in_air = 0;     // their point lies where the posed model has no surface
   double inside_mm = 0;  // free-space violation: summed length inside the material beyond the tolerance
+  std::vector<SampledRay> sampled;
 
   size_t against() const { return through + in_air; }
 };

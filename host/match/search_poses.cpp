@@ -24,6 +24,19 @@ double most_unseen_mm2(const PlaneSet& measured, size_t count) {
 
 }  // namespace
 
+bool holds_fixed(const PlaneSet& model, const PlaneSet& measured, const RigidTransform& T,
+                 const SearchGates& gates, bool with_offset) {
+  const auto& fixed = gates.allowed.fixed;
+  return std::all_of(fixed.begin(), fixed.end(), [&](const AllowedPairs::Pair& pair) {
+    const MatchPlane &face = model.planes[pair.first], &seen = measured.planes[pair.second];
+    const double cosine = face.normal.dot(T.R * seen.normal);
+    if ((gates.is_unsigned ? std::abs(cosine) : cosine) < std::cos(kFixedGates * gates.angle_rad))
+      return false;
+    return !with_offset ||
+           std::abs(face.normal.dot(T * seen.point_mm) - face.d_mm) <= kFixedGates * gates.offset_mm;
+  });
+}
+
 std::vector<PoseCandidate> search_poses(const PlaneSet& model, const PlaneSet& measured,
                                         const SearchGates& gates, double keep) {
   std::vector<PoseCandidate> found;
@@ -34,7 +47,7 @@ std::vector<PoseCandidate> search_poses(const PlaneSet& model, const PlaneSet& m
     for (const RotationCandidate& rotation : search_rotations(model, measured, count, gates)) {
       const double least = std::max(keep * best, 1e-3 * measured.area_mm2);
       if (rotation.explained_mm2 < least) break;
-      for (const PoseCandidate& pose : search_translations(model, measured, rotation.R, gates, least)) {
+      for (const PoseCandidate& pose : search_translations(model, measured, rotation.R, gates, least, keep)) {
         best = std::max(best, pose.explained_mm2);
         found.push_back(pose);
       }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/geometry/rigid_transform.hpp"
+#include "host/match/allowed_pairs.hpp"
 #include "host/match/plane_set.hpp"
 
 namespace tetragauge {
@@ -14,7 +15,16 @@ struct SearchGates {
   double offset_mm = 0;
   double angle_rad = 0;
   bool is_unsigned = false;
+  AllowedPairs allowed;
 };
+
+// A pair that a person has fixed may be this many gates from its place: he knows what the search cannot. A
+// pose in which it is farther is not considered.
+inline constexpr double kFixedGates = 4;
+
+// Whether every fixed pair is within its wider gates; the offset only if `T.t` counts.
+bool holds_fixed(const PlaneSet& model, const PlaneSet& measured, const RigidTransform& T,
+                 const SearchGates& gates, bool with_offset);
 
 struct PoseCandidate {
   RigidTransform T_model_part;
@@ -39,8 +49,9 @@ struct RotationCandidate {
 std::vector<RotationCandidate> search_rotations(const PlaneSet& model, const PlaneSet& measured,
                                                 size_t measured_directions, const SearchGates& gates);
 
-// All translations for one rotation that explain at least `at_least_mm2`.
+// All translations for one rotation that explain at least `at_least_mm2`, and `keep` of what the best of them
+// does.
 std::vector<PoseCandidate> search_translations(const PlaneSet& model, const PlaneSet& measured, const Mat3& R,
-                                               const SearchGates& gates, double at_least_mm2);
+                                               const SearchGates& gates, double at_least_mm2, double keep);
 
 }  // namespace tetragauge

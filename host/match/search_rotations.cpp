@@ -115,6 +115,7 @@ std::vector<RotationCandidate> search_rotations(const PlaneSet& model, const Pla
 
   std::vector<RotationCandidate> raw;
   const auto propose = [&](const Mat3& R) {
+    if (!holds_fixed(model, measured, {R, Vec3::Zero()}, gates, false)) return;
     raw.push_back({R, score.explained(R, 1.5 * gates.angle_rad, nullptr)});
   };
   for (size_t i = 0; i < count; ++i) {

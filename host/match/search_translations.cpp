@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "host/match/search_poses.hpp"
 
@@ -22,53 +23,80 @@ struct Peak {
   double shift_mm, explained_mm2;
 };
 
+// Each measured face counts once, where it weighs most; each model plane no more than its area. Kept between
+// calls, so that starting anew costs nothing.
+class Tally {
+ public:
+  Tally(size_t measured, size_t groups) : best_(measured), sum_(groups) {}
+
+  void begin() {
+    ++now_;
+    measured_.clear();
+  }
+  void offer(size_t measured, size_t group, double weight) {
+    Best& best = best_[measured];
+    if (best.when != now_) {
+      best = {now_, group, weight};
+      measured_.push_back(measured);
+    } else if (weight > best.weight) {
+      best.group = group;
+      best.weight = weight;
+    }
+  }
+  double total(const PlaneSet& model) {
+    double total = 0;
+    for (const size_t j : measured_) {
+      Sum& sum = sum_[best_[j].group];
+      if (sum.when != now_) sum = {now_, 0};
+      const double most = kAreaSlack * model.group_area_mm2[best_[j].group];
+      const double before = std::min(sum.weight, most);
+      sum.weight += best_[j].weight;
+      total += std::min(sum.weight, most) - before;
+    }
+    return total;
+  }
+
+ private:
+  struct Best {
+    uint64_t when = 0;
+    size_t group = 0;
+    double weight = 0;
+  };
+  struct Sum {
+    uint64_t when = 0;
+    double weight = 0;
+  };
+  uint64_t now_ = 0;
+  std::vector<Best> best_;
+  std::vector<Sum> sum_;
+  std::vector<size_t> measured_;  // offered since the beginning
+};
+
 class Line {
  public:
   Vec3 u = Vec3::Zero();
   std::vector<Term> terms;  // by shift
   std::vector<Peak> peaks;  // by explained area, descending
 
-  double explained(double shift_mm, double gate_mm, const PlaneSet& model) const {
-    struct Best {
-      int measured, group;
-      double weight;
-    };
-    thread_local std::vector<Best> best;
-    best.clear();
+  double explained(double shift_mm, double gate_mm, const PlaneSet& model, Tally& tally) const {
+    tally.begin();
     auto term = std::lower_bound(terms.begin(), terms.end(), shift_mm - gate_mm,
                                  [](const Term& a, double s) { return a.shift_mm < s; });
     for (; term != terms.end() && term->shift_mm <= shift_mm + gate_mm; ++term) {
       const double share = (term->shift_mm - shift_mm) / gate_mm;
-      const double weight = term->weight_mm2 * (1 - share * share);
-      const auto same =
-          std::find_if(best.begin(), best.end(), [&](const Best& b) { return b.measured == term->measured; });
-      if (same == best.end()) {
-        best.push_back({term->measured, term->group, weight});
-      } else if (weight > same->weight) {
-        *same = {term->measured, term->group, weight};
-      }
+      tally.offer(static_cast<size_t>(term->measured), static_cast<size_t>(term->group),
+                  term->weight_mm2 * (1 - share * share));
     }
-    double total = 0;
-    for (size_t i = 0; i < best.size(); ++i) {  // capped by the model's area on each plane
-      double sum = 0;
-      bool first = true;
-      for (size_t k = 0; k < best.size(); ++k) {
-        if (best[k].group != best[i].group) continue;
-        if (k < i) first = false;
-        sum += best[k].weight;
-      }
-      if (first)
-        total += std::min(sum, kAreaSlack * model.group_area_mm2[static_cast<size_t>(best[i].group)]);
-    }
-    return total;
+    return tally.total(model);
   }
 
-  void find_peaks(double gate_mm, const PlaneSet& model) {
+  void find_peaks(double gate_mm, const PlaneSet& model, Tally& tally) {
     std::sort(terms.begin(), terms.end(), [](const Term& a, const Term& b) {
       return std::tie(a.shift_mm, a.measured, a.group) < std::tie(b.shift_mm, b.measured, b.group);
     });
     std::vector<Peak> all;
-    for (const Term& term : terms) all.push_back({term.shift_mm, explained(term.shift_mm, gate_mm, model)});
+    for (const Term& term : terms)
+      all.push_back({term.shift_mm, explained(term.shift_mm, gate_mm, model, tally)});
     std::stable_sort(all.begin(), all.end(),
                      [](const Peak& a, const Peak& b) { return a.explained_mm2 > b.explained_mm2; });
     for (const Peak& peak : all) {
@@ -83,8 +111,14 @@ class Line {
 class BranchAndBound {
  public:
   BranchAndBound(const PlaneSet& model, const PlaneSet& measured, const Mat3& R, const SearchGates& gates,
-                 double at_least_mm2)
-      : model_(model), measured_(measured), R_(R), gates_(gates), bound_mm2_(at_least_mm2) {
+                 double at_least_mm2, double keep)
+      : model_(model),
+        measured_(measured),
+        R_(R),
+        gates_(gates),
+        bound_mm2_(at_least_mm2),
+        keep_(keep),
+        tally_(measured.planes.size(), model.group_area_mm2.size()) {
     collect_lines();
     rest_mm2_.assign(lines_.size() + 1, 0.0);
     for (size_t k = lines_.size(); k-- > 0;)
@@ -94,6 +128,7 @@ class BranchAndBound {
   std::vector<PoseCandidate> run() {
     Fixed none;
     descend(0, 0, none);
+    std::erase_if(found_, [&](const PoseCandidate& pose) { return pose.explained_mm2 < bound_mm2_; });
     std::stable_sort(found_.begin(), found_.end(),
                      [](const auto& a, const auto& b) { return a.explained_mm2 > b.explained_mm2; });
     return std::move(found_);
@@ -108,13 +143,14 @@ class BranchAndBound {
 
   void collect_lines() {
     const double least_cosine = std::cos(gates_.angle_rad);
-    for (const MatchPlane& face : model_.planes) {
+    for (size_t i = 0; i < model_.planes.size(); ++i) {
+      const MatchPlane& face = model_.planes[i];
       for (size_t j = 0; j < measured_.planes.size(); ++j) {
         const MatchPlane& seen = measured_.planes[j];
         const Vec3 turned = R_ * seen.normal;
         const double cosine =
             gates_.is_unsigned ? std::abs(turned.dot(face.normal)) : turned.dot(face.normal);
-        if (cosine < least_cosine) continue;
+        if (cosine < least_cosine || !gates_.allowed(i, j)) continue;
         const double share = std::acos(std::min(1.0, cosine)) / gates_.angle_rad;
         Line& line = line_along(face.normal);
         const double sense = line.u.dot(face.normal) > 0 ? 1 : -1;
@@ -122,7 +158,7 @@ class BranchAndBound {
                               seen.area_mm2 * (1 - share * share), static_cast<int>(j), face.group});
       }
     }
-    for (Line& line : lines_) line.find_peaks(gates_.offset_mm, model_);
+    for (Line& line : lines_) line.find_peaks(gates_.offset_mm, model_, tally_);
     std::stable_sort(lines_.begin(), lines_.end(), [](const Line& a, const Line& b) {
       return a.peaks.front().explained_mm2 > b.peaks.front().explained_mm2;
     });
@@ -172,8 +208,10 @@ class BranchAndBound {
     for (int i = 0; i < fixed.rank; ++i)
       t += fixed.shift[static_cast<size_t>(i)] * fixed.axis[static_cast<size_t>(i)];
     double explained = 0;
-    for (const Line& line : lines_) explained += line.explained(line.u.dot(t), gates_.offset_mm, model_);
-    if (explained < bound_mm2_) return;
+    for (const Line& line : lines_)
+      explained += line.explained(line.u.dot(t), gates_.offset_mm, model_, tally_);
+    if (explained < bound_mm2_ || !holds_fixed(model_, measured_, {R_, t}, gates_, true)) return;
+    bound_mm2_ = std::max(bound_mm2_, keep_ * explained);  // the first leaf is a good one, and cuts the rest
     for (PoseCandidate& other : found_) {
       if ((other.T_model_part.t - t).norm() < 0.5 * gates_.offset_mm) {
         if (explained > other.explained_mm2) other = {{R_, t}, explained};
@@ -195,7 +233,8 @@ class BranchAndBound {
   const PlaneSet& measured_;
   Mat3 R_;
   SearchGates gates_;
-  double bound_mm2_;
+  double bound_mm2_, keep_;
+  Tally tally_;
   std::vector<Line> lines_;
   std::vector<double> rest_mm2_;  // most that lines k.. can explain
   std::vector<PoseCandidate> found_;
@@ -204,8 +243,8 @@ class BranchAndBound {
 }  // namespace
 
 std::vector<PoseCandidate> search_translations(const PlaneSet& model, const PlaneSet& measured, const Mat3& R,
-                                               const SearchGates& gates, double at_least_mm2) {
-  return BranchAndBound(model, measured, R, gates, at_least_mm2).run();
+                                               const SearchGates& gates, double at_least_mm2, double keep) {
+  return BranchAndBound(model, measured, R, gates, at_least_mm2, keep).run();
 }
 
 }  // namespace tetragauge

@@ -7,7 +7,8 @@
 #include <numbers>
 
 #include "host/geometry/face_list_file.hpp"
-#include "host/match/match.hpp"
+#include "host/match/match_procrustes.hpp"
+#include "host/match/pair_changes.hpp"
 
 namespace tetragauge {
 namespace {
@@ -60,16 +61,24 @@ TEST_F(ThesisLists, Staircase) {
   EXPECT_TRUE(found.undetermined.empty());
 }
 
-TEST_F(ThesisLists, StaircaseTurnedAndMoved) {
-  FaceList model = list("steps-model.hsp");
-  // p' = Rx(60) Ry(30) Rz(45) p, then 10 cm along z.
-  const Mat3 R =
-      rotation_from_degrees(60, 0, 0) * rotation_from_degrees(0, 30, 0) * rotation_from_degrees(0, 0, 45);
-  const RigidTransform motion{R, Vec3(0, 0, 10 * kCm)};
-  for (Face& face : model.faces) {
-    face.normal = R * face.normal;
+// p' = Rx(60) Ry(30) Rz(45) p, then 10 cm along z.
+RigidTransform thesis_motion() {
+  return {rotation_from_degrees(60, 0, 0) * rotation_from_degrees(0, 30, 0) * rotation_from_degrees(0, 0, 45),
+          Vec3(0, 0, 10 * kCm)};
+}
+
+FaceList moved(FaceList list, const RigidTransform& motion) {
+  for (Face& face : list.faces) {
+    face.normal = motion.R * face.normal;
     face.d_mm += face.normal.dot(motion.t);
+    face.point_mm = face.d_mm * face.normal;
   }
+  return list;
+}
+
+TEST_F(ThesisLists, StaircaseTurnedAndMoved) {
+  const RigidTransform motion = thesis_motion();
+  const FaceList model = moved(list("steps-model.hsp"), motion);
   const Match found = match(model, list("steps-measured.hsp"));
   expect_pairs(found, kSteps);
   expect_near_identity(motion.inverse() * found.T_model_part);
@@ -100,6 +109,54 @@ TEST_F(ThesisLists, ChannelWithoutAreasHasFourPoses) {
   for (FaceList* faces : {&model, &measured})
     for (Face& face : faces->faces) face.area_mm2 = 0;
   EXPECT_EQ(match(model, measured).equivalents.size(), 3u);
+}
+
+// What the thesis's own method recovered (its figures 7.9 and 7.10): all faces, 0.1686 degrees in all, and
+// the difference of the plane centres.
+class ThesisMethod : public ThesisLists, public testing::WithParamInterface<ProcrustesOptions::Links> {
+ protected:
+  static ProcrustesMatch procrustes(const FaceList& model, const FaceList& measured) {
+    ProcrustesOptions options;
+    options.links = GetParam();
+    const Result<ProcrustesMatch> result = match_procrustes(model, measured, options);
+    EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
+    return result.ok() ? *result : ProcrustesMatch{};
+  }
+};
+using Links = ProcrustesOptions::Links;
+INSTANTIATE_TEST_SUITE_P(Links, ThesisMethod, testing::Values(Links::all, Links::modes));
+
+constexpr double kPrintedTurn_deg = 0.168, kTurnTolerance_deg = 0.01;
+
+TEST_P(ThesisMethod, StaircaseAsPrinted) {
+  const ProcrustesMatch found = procrustes(list("steps-model.hsp"), list("steps-measured.hsp"));
+  expect_pairs(found.match, kSteps);
+  EXPECT_NEAR(rotation_angle(found.match.T_model_part.R) * 180 / std::numbers::pi, kPrintedTurn_deg,
+              kTurnTolerance_deg);
+  const Vec3 printed_cm(-0.0016, -0.0093, 0.0015);
+  const Vec3 difference_cm = (found.plane_centre_measured_mm - found.plane_centre_model_mm) / kCm;
+  EXPECT_LT((difference_cm - printed_cm).norm(), 0.003) << difference_cm.transpose();
+  EXPECT_LT((found.plane_centre_measured_mm / kCm - Vec3(3.7443, 3.0094, 2.7958)).cwiseAbs().maxCoeff(),
+            0.02);
+}
+
+TEST_P(ThesisMethod, StaircaseTurnedAndMovedAsPrinted) {
+  const RigidTransform motion = thesis_motion();
+  const ProcrustesMatch found =
+      procrustes(moved(list("steps-model.hsp"), motion), list("steps-measured.hsp"));
+  expect_pairs(found.match, kSteps);
+  const RigidTransform error = motion.inverse() * found.match.T_model_part;
+  EXPECT_NEAR(rotation_angle(error.R) * 180 / std::numbers::pi, kPrintedTurn_deg, kTurnTolerance_deg);
+}
+
+TEST_P(ThesisMethod, AnglesAreThePrintedOnesWithTheMeasuredListTurned) {
+  // It printed Rz(-45.0582) Ry(-29.8770) Rx(-59.8692), which has the error of the first pair on the model's
+  // side: the rotation of the measured list onto the model.
+  const ProcrustesMatch found =
+      procrustes(list("steps-model.hsp"), moved(list("steps-measured.hsp"), thesis_motion()));
+  expect_pairs(found.match, kSteps);
+  const Vec3 deg = degrees_from_rotation(found.match.T_model_part.R);
+  EXPECT_LT((deg - Vec3(-59.8692, -29.8770, -45.0582)).cwiseAbs().maxCoeff(), 0.02) << deg.transpose();
 }
 
 }  // namespace
