@@ -24,8 +24,8 @@ void start_clocks(WaitFaults& faults) {
   I::modify(rcc::kHseOn(1));
   const bool crystal = faults.wait_for<Bus>(rcc::kHseReady(1), kCrystalTurns, WaitFault::kCrystal);
   // Without the crystal from the internal 16 MHz: 1 % off, but the host can be told.
-  I::write(rcc::kPllM(crystal ? kPllM : kPllM * 2) | rcc::kPllN(kPllN) | rcc::kPllP(kPllP / 2 - 1) |
-           rcc::kPllFromHse(crystal) | rcc::kPllQ(kPllQ));
+  I::modify(rcc::kPllM(crystal ? kPllM : kPllM * 2) | rcc::kPllN(kPllN) | rcc::kPllP(kPllP / 2 - 1) |
+            rcc::kPllFromHse(crystal) | rcc::kPllQ(kPllQ));
   I::modify(rcc::kPllOn(1));
   I::write(flash::kLatency(kFlashWaitStates) | flash::kPrefetchOn(1) | flash::kInstructionCacheOn(1) |
            flash::kDataCacheOn(1));

@@ -66,8 +66,9 @@ class StepTimer {
   template <class C>
   void end_pulse(int k) {
     if (!high_[k]) return;
-    // Ends: the counter goes on. Most often it has gone far enough already.
-    while (I::read(Tim2::Cnt{}) - edge_[k] < kPulseTicks) {
+    // Most often it has gone far enough already. A look takes 5 cycles of the core at least, which is 2.5
+    // ticks.
+    for (uint32_t look = 0; look < kPulseTicks && I::read(Tim2::Cnt{}) - edge_[k] < kPulseTicks; ++look) {
     }
     const Gate<Bus> gate;
     I::modify(C::kCompareMode(kInactive));
