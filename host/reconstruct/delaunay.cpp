@@ -5,6 +5,7 @@
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>
 
 #include <algorithm>
+#include <bit>
 
 #include "host/reconstruct/tetrahedra.hpp"
 
@@ -32,7 +33,7 @@ std::array<int, 4> canonical_turn(const std::array<uint32_t, 4>& corners) {
 }
 
 // The cells as CGAL has them, each turned, in CGAL's order.
-std::vector<Cell> copy_cells(Triangulation& triangulation) {
+std::vector<Cell> copy_cells(const Triangulation& triangulation) {
   uint32_t count = 0;
   for (auto c = triangulation.all_cells_begin(); c != triangulation.all_cells_end(); ++c) c->info() = count++;
   std::vector<Cell> cells(count);
@@ -84,18 +85,27 @@ int find_mirror(const Cell& cell, size_t i, const Cell& next) {
   return -1;
 }
 
-Result<std::vector<Cell>> triangulate(std::span<const Vec3> points) {
-  std::vector<std::pair<Kernel::Point_3, uint32_t>> numbered;
-  numbered.reserve(points.size());
-  for (size_t i = 0; i < points.size(); ++i)
-    numbered.emplace_back(Kernel::Point_3(points[i].x(), points[i].y(), points[i].z()),
-                          static_cast<uint32_t>(i));
-  Triangulation triangulation(numbered.begin(), numbered.end());
-  if (triangulation.dimension() < 3)
-    return bad_input(
-        "all points of the scan lie exactly in one plane or on one line: they enclose nothing; scan from "
-        "another view, or fit the plane directly");
-  return copy_cells(triangulation);
+// In rounds of growing size, each along the order of the points: random enough for speed (Amenta, Choi, Rote,
+// SoCG 2003), and every point near the one before, as those of average_points are.
+std::vector<uint32_t> insertion_order(size_t points) {
+  constexpr int kRounds = 12;  // each has four times as many as the one before
+  std::vector<std::vector<uint32_t>> rounds(kRounds);
+  for (uint32_t i = 0; i < points; ++i) {
+    uint32_t bits =
+        (i + 1) * 2654435769u;  // Knuth's multiplicative hash, and its high bits over the low ones
+    bits ^= bits >> 15;
+    bits *= 2246822519u;
+    bits ^= bits >> 13;
+    const int round = kRounds - 1 - std::min(std::countr_zero(bits) / 2, kRounds - 1);
+    rounds[static_cast<size_t>(round)].push_back(i);
+  }
+  std::vector<uint32_t> order;
+  order.reserve(points);
+  for (size_t k = 0; k < rounds.size(); ++k) {
+    if (k % 2 == 1) std::reverse(rounds[k].begin(), rounds[k].end());  // to and fro
+    order.insert(order.end(), rounds[k].begin(), rounds[k].end());
+  }
+  return order;
 }
 
 }  // namespace
@@ -105,15 +115,38 @@ size_t Tetrahedra::finite_cells() const {
       std::count_if(cells.begin(), cells.end(), [](const Cell& c) { return !c.is_infinite(); }));
 }
 
-Result<Tetrahedra> delaunay(std::span<const Vec3> points) {
+struct DelaunayTriangulation::State {
+  Triangulation triangulation;
+  std::vector<Vec3> points;
+};
+
+DelaunayTriangulation::DelaunayTriangulation() : state_(std::make_unique<State>()) {}
+DelaunayTriangulation::DelaunayTriangulation(DelaunayTriangulation&&) noexcept = default;
+DelaunayTriangulation& DelaunayTriangulation::operator=(DelaunayTriangulation&&) noexcept = default;
+DelaunayTriangulation::~DelaunayTriangulation() = default;
+
+void DelaunayTriangulation::add(std::span<const Vec3> points) {
+  const auto before = static_cast<uint32_t>(state_->points.size());
+  state_->points.insert(state_->points.end(), points.begin(), points.end());
+  Triangulation::Vertex_handle near;
+  for (const uint32_t i : insertion_order(points.size())) {
+    near = state_->triangulation.insert(Kernel::Point_3(points[i].x(), points[i].y(), points[i].z()), near);
+    near->info() = before + i;
+  }
+}
+
+Result<Tetrahedra> DelaunayTriangulation::tetrahedra() const {
+  const std::vector<Vec3>& points = state_->points;
   if (points.size() < 4)
     return bad_input("the scan has " + std::to_string(points.size()) +
                      " distinct points; tetrahedra need at least 4: scan more of the part");
-  Result<std::vector<Cell>> cells = triangulate(points);
-  if (!cells) return cells.error();
+  if (state_->triangulation.dimension() < 3)
+    return bad_input(
+        "all points of the scan lie exactly in one plane or on one line: they enclose nothing; scan from "
+        "another view, or fit the plane directly");
   Tetrahedra result;
-  result.vertices.assign(points.begin(), points.end());
-  result.cells = sort_cells(*cells, points.size());
+  result.vertices = points;
+  result.cells = sort_cells(copy_cells(state_->triangulation), points.size());
   result.mirror.assign(result.cells.size(), 0);
   result.vertex_cell.assign(points.size(), kNoCell);
   for (uint32_t c = 0; c < result.cells.size(); ++c) {
@@ -127,6 +160,12 @@ Result<Tetrahedra> delaunay(std::span<const Vec3> points) {
     }
   }
   return result;
+}
+
+Result<Tetrahedra> delaunay(std::span<const Vec3> points) {
+  DelaunayTriangulation triangulation;
+  triangulation.add(points);
+  return triangulation.tetrahedra();
 }
 
 }  // namespace tetragauge

@@ -56,21 +56,39 @@ std::vector<LabelledTetrahedron> labelled(const Tetrahedra& tetrahedra, const st
   return result;
 }
 
+std::vector<uint8_t> label(const Tetrahedra& tetrahedra, const Visibility& visibility,
+                           const AveragedPoints& averaged, const ReconstructOptions& options) {
+  return options.method == ReconstructMethod::cut
+             ? label_cells(tetrahedra, visibility, averaged.point_spacing_mm * averaged.point_spacing_mm)
+             : carve_cells(tetrahedra, visibility, averaged, options.model);
+}
+
 struct LabelledCells {
   Tetrahedra tetrahedra;
   Visibility visibility;
   std::vector<uint8_t> air;
 };
 
-Result<LabelledCells> label(const Scan& scan, const AveragedPoints& averaged,
-                            const ReconstructOptions& options) {
-  Result<Tetrahedra> tetrahedra = delaunay(averaged.vertices);
+// With supports added to `averaged` where they are needed.
+Result<LabelledCells> label(const Scan& scan, AveragedPoints& averaged, const ReconstructOptions& options) {
+  DelaunayTriangulation triangulation;
+  triangulation.add(averaged.vertices);
+  Result<Tetrahedra> tetrahedra = triangulation.tetrahedra();
   if (!tetrahedra) return tetrahedra.error();
   Visibility visibility = vote_visibility(*tetrahedra, scan, averaged);
-  std::vector<uint8_t> air =
-      options.method == ReconstructMethod::cut
-          ? label_cells(*tetrahedra, visibility, averaged.point_spacing_mm * averaged.point_spacing_mm)
-          : carve_cells(*tetrahedra, visibility, averaged, options.model);
+  std::vector<uint8_t> air = label(*tetrahedra, visibility, averaged, options);
+  constexpr int kRounds = 3;  // the first mends nearly all; new tetrahedra may show a few more
+  for (int round = 0; round < kRounds && options.method == ReconstructMethod::cut; ++round) {
+    const size_t vertices = averaged.vertices.size();
+    add_supports(find_supports(*tetrahedra, air, visibility, averaged), averaged);
+    if (averaged.vertices.size() == vertices) break;
+    triangulation.add(std::span(averaged.vertices).subspan(vertices));
+    Result<Tetrahedra> more = triangulation.tetrahedra();
+    if (!more) return more.error();
+    visibility = vote_again(*more, scan, averaged, *tetrahedra, visibility);
+    tetrahedra = std::move(more);
+    air = label(*tetrahedra, visibility, averaged, options);
+  }
   return LabelledCells{*std::move(tetrahedra), std::move(visibility), std::move(air)};
 }
 
@@ -79,17 +97,7 @@ Result<LabelledCells> label(const Scan& scan, const AveragedPoints& averaged,
 Result<Reconstruction> reconstruct(const Scan& scan, const ReconstructOptions& options) {
   if (Status status = check(scan, options); !status) return status.error();
   AveragedPoints averaged = average_points(scan, options.spacing_mm);
-  Result<LabelledCells> labels = label(scan, averaged, options);
-  if (options.method == ReconstructMethod::cut) {
-    constexpr int kRounds = 3;  // the first mends nearly all; new tetrahedra may show a few more
-    for (int round = 0; round < kRounds && labels; ++round) {
-      const std::vector<Vec3> supports =
-          find_supports(labels->tetrahedra, labels->air, labels->visibility, averaged);
-      if (supports.empty()) break;
-      add_supports(supports, averaged);
-      labels = label(scan, averaged, options);
-    }
-  }
+  const Result<LabelledCells> labels = label(scan, averaged, options);
   if (!labels) return labels.error();
   const auto& [tetrahedra, visibility, air] = *labels;
 

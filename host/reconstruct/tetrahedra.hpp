@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -52,5 +53,23 @@ struct Tetrahedra {
 // CGAL's symbolic perturbation, so the result depends on the points alone. Error (bad input): fewer than 4
 // points, or all of them in one plane.
 Result<Tetrahedra> delaunay(std::span<const Vec3> points);
+
+// The same, to which more points can be added.
+class DelaunayTriangulation {
+ public:
+  DelaunayTriangulation();
+  DelaunayTriangulation(DelaunayTriangulation&&) noexcept;
+  DelaunayTriangulation& operator=(DelaunayTriangulation&&) noexcept;
+  ~DelaunayTriangulation();
+
+  // Numbered on from those before; distinct from them and from one another. Fast if neighbours in the list
+  // are near in space.
+  void add(std::span<const Vec3> points);
+  Result<Tetrahedra> tetrahedra() const;
+
+ private:
+  struct State;  // CGAL's
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace tetragauge

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "host/reconstruct/compare_cells.hpp"
 #include "host/reconstruct/walk_ray.hpp"
 
 namespace tetragauge {
@@ -19,10 +20,14 @@ namespace {
 double distance_to_facet(const Tetrahedra& tetrahedra, uint32_t c, int i, const Vec3& start,
                          const Vec3& direction) {
   const Cell& cell = tetrahedra.cells[c];
+  // By the vertices' numbers, so that the cells on its two sides see the same rounding.
   const auto& f = kFacet[static_cast<size_t>(i)];
-  const Vec3& a = tetrahedra.vertices[cell.vertex[f[0]]];
-  const Vec3 normal =
-      (tetrahedra.vertices[cell.vertex[f[1]]] - a).cross(tetrahedra.vertices[cell.vertex[f[2]]] - a);
+  uint32_t v[3] = {cell.vertex[f[0]], cell.vertex[f[1]], cell.vertex[f[2]]};
+  if (v[1] < v[0]) std::swap(v[0], v[1]);
+  if (v[2] < v[1]) std::swap(v[1], v[2]);
+  if (v[1] < v[0]) std::swap(v[0], v[1]);
+  const Vec3& a = tetrahedra.vertices[v[0]];
+  const Vec3 normal = (tetrahedra.vertices[v[1]] - a).cross(tetrahedra.vertices[v[2]] - a);
   const double along = normal.dot(direction);
   return along == 0 ? 0 : std::max(0.0, normal.dot(a - start) / along);
 }
@@ -36,14 +41,17 @@ struct RayBundle {
 
 class Voter {
  public:
-  Voter(const Tetrahedra& tetrahedra, Visibility& result)
-      : tetrahedra_(tetrahedra), result_(result), walker_(tetrahedra) {}
+  // With `changed` only cells that are new are voted on; the others have their votes.
+  Voter(const Tetrahedra& tetrahedra, const ChangedCells* changed, Visibility& result)
+      : tetrahedra_(tetrahedra), changed_(changed), result_(result), walker_(tetrahedra) {}
 
   // From their sensor to vertex v; `sigma_mm` of the vertex softens the last stretch.
   void vote(uint32_t v, const RayBundle& rays, double sigma_mm) {
-    walked += static_cast<size_t>(rays.rays);
     const Vec3& p = tetrahedra_.vertices[v];
-    if (!vote_air(v, p, rays, sigma_mm) || !vote_solid(v, p, rays, sigma_mm))
+    const Vec3 behind = p + (p - rays.sensor).normalized() * (3 * sigma_mm);
+    if (changed_ && !changed_->may_be_on(behind, rays.sensor)) return;
+    walked += static_cast<size_t>(rays.rays);
+    if (!vote_air(v, p, rays, sigma_mm) || !vote_solid(v, p, rays, sigma_mm, behind))
       lost += static_cast<size_t>(rays.rays);
   }
 
@@ -62,6 +70,9 @@ class Voter {
     std::atomic_ref<uint8_t> shared(flag);
     if (shared.load(std::memory_order_relaxed) == 0) shared.store(1, std::memory_order_relaxed);
   }
+
+  bool is_open(uint32_t c) const { return !changed_ || changed_->number_before()[c] == kNoCell; }
+  CellVotes& cell(uint32_t c) { return is_open(c) ? result_.cells[c] : closed_; }
 
   // That the surface is not here, d before the measured point.
   static double certainty(double d, double sigma_mm) {
@@ -94,25 +105,24 @@ class Voter {
           soft = votes(rays, certainty(d, sigma_mm));
           is_far = d > kFarSigmas * sigma_mm;
         }
-        add(result_.cells[previous].entered_through[static_cast<size_t>(step.facet_of_previous)], soft);
+        add(cell(previous).entered_through[static_cast<size_t>(step.facet_of_previous)], soft);
       } else if (previous != kNoCell && !tetrahedra_.cells[previous].is_infinite()) {
         // Through an edge or a vertex: no facet joins the two cells, so the evidence is the far cell's own.
-        add(result_.cells[previous].from_outside,
+        add(cell(previous).from_outside,
             votes(rays, certainty(centre_distance(previous, p, direction), sigma_mm)));
       }
-      add(result_.cells[step.cell].air, soft);
-      set(result_.crossed[step.cell]);
+      add(cell(step.cell).air, soft);
+      if (is_open(step.cell)) set(result_.crossed[step.cell]);
       previous = step.cell;
     }
     const uint32_t end = walk_.steps.empty() ? kNoCell : walk_.steps.back().cell;
-    if (end != kNoCell) add(result_.cells[end].from_outside, 8 * full);  // the sensor stands in air
+    if (end != kNoCell) add(cell(end).from_outside, 8 * full);  // the sensor stands in air
     return true;
   }
 
   // Three sigma beyond the vertex the ray claims solid; on the way there, the deeper the surer.
-  bool vote_solid(uint32_t v, const Vec3& p, const RayBundle& rays, double sigma_mm) {
+  bool vote_solid(uint32_t v, const Vec3& p, const RayBundle& rays, double sigma_mm, const Vec3& behind) {
     const Vec3 direction = (p - rays.sensor).normalized();
-    const Vec3 behind = p + direction * (3 * sigma_mm);
     walker_.walk(v, behind, walk_);
     if (walk_.end == Walk::End::lost) return false;
     const Votes full = votes(rays, 1);
@@ -121,21 +131,22 @@ class Voter {
       if (step.facet_of_previous >= 0) {
         const double d = distance_to_facet(tetrahedra_, previous, step.facet_of_previous, p, direction);
         const int facet = tetrahedra_.mirror_index(previous, step.facet_of_previous);
-        add(result_.cells[step.cell].entered_through[static_cast<size_t>(facet)],
-            votes(rays, certainty(d, sigma_mm)));
+        add(cell(step.cell).entered_through[static_cast<size_t>(facet)], votes(rays, certainty(d, sigma_mm)));
       }
-      add(result_.cells[step.cell].solid, full);
+      add(cell(step.cell).solid, full);
       previous = step.cell;
     }
     if (walk_.end_cell != kNoCell) {
-      add(result_.cells[walk_.end_cell].into_inside, full);
-      if (previous != walk_.end_cell) add(result_.cells[walk_.end_cell].solid, full);
+      add(cell(walk_.end_cell).into_inside, full);
+      if (previous != walk_.end_cell) add(cell(walk_.end_cell).solid, full);
     }
     return true;
   }
 
   const Tetrahedra& tetrahedra_;
+  const ChangedCells* changed_;
   Visibility& result_;
+  CellVotes closed_;  // votes for cells that have theirs
   RayWalker walker_;
   Walk walk_;
 };
@@ -157,13 +168,8 @@ void bundle(std::vector<RayBundle>& rays) {
   rays.resize(kept);
 }
 
-}  // namespace
-
-Visibility vote_visibility(const Tetrahedra& tetrahedra, const Scan& scan, const AveragedPoints& averaged) {
-  Visibility result;
-  result.cells.assign(tetrahedra.cells.size(), {});
-  result.crossed.assign(tetrahedra.cells.size(), 0);
-
+void vote_all(const Tetrahedra& tetrahedra, const Scan& scan, const AveragedPoints& averaged,
+              const ChangedCells* changed, Visibility& result) {
   const std::vector<double> sigma = floored_sigma_mm(scan);
   std::vector<double> sorted = sigma;
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<long>(sorted.size() / 2), sorted.end());
@@ -174,7 +180,9 @@ Visibility vote_visibility(const Tetrahedra& tetrahedra, const Scan& scan, const
     Voter voter;
     std::vector<RayBundle> rays;
   };
-  tbb::enumerable_thread_specific<Local> locals([&] { return Local{Voter(tetrahedra, result), {}}; });
+  tbb::enumerable_thread_specific<Local> locals([&] {
+    return Local{Voter(tetrahedra, changed, result), {}};
+  });
   tbb::parallel_for(tbb::blocked_range<uint32_t>(0, static_cast<uint32_t>(averaged.vertices.size()), 256),
                     [&](const tbb::blocked_range<uint32_t>& range) {
                       Local& local = locals.local();
@@ -193,9 +201,37 @@ Visibility vote_visibility(const Tetrahedra& tetrahedra, const Scan& scan, const
                       }
                     });
   for (const Local& local : locals) {
-    result.rays_walked += local.voter.walked;
+    if (!changed) result.rays_walked += local.voter.walked;
     result.rays_lost += local.voter.lost;
   }
+}
+
+}  // namespace
+
+Visibility vote_visibility(const Tetrahedra& tetrahedra, const Scan& scan, const AveragedPoints& averaged) {
+  Visibility result;
+  result.cells.assign(tetrahedra.cells.size(), {});
+  result.crossed.assign(tetrahedra.cells.size(), 0);
+  vote_all(tetrahedra, scan, averaged, nullptr, result);
+  return result;
+}
+
+Visibility vote_again(const Tetrahedra& tetrahedra, const Scan& scan, const AveragedPoints& averaged,
+                      const Tetrahedra& before, const Visibility& visibility_before) {
+  const ChangedCells changed(before, tetrahedra);
+  if (changed.hull_has_changed()) return vote_visibility(tetrahedra, scan, averaged);
+  Visibility result;
+  result.rays_walked = visibility_before.rays_walked;
+  result.rays_lost = visibility_before.rays_lost;
+  result.cells.assign(tetrahedra.cells.size(), {});
+  result.crossed.assign(tetrahedra.cells.size(), 0);
+  for (size_t c = 0; c < tetrahedra.cells.size(); ++c) {
+    const uint32_t old = changed.number_before()[c];
+    if (old == kNoCell) continue;
+    result.cells[c] = visibility_before.cells[old];
+    result.crossed[c] = visibility_before.crossed[old];
+  }
+  vote_all(tetrahedra, scan, averaged, &changed, result);
   return result;
 }
 

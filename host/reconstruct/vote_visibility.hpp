@@ -37,4 +37,9 @@ struct Visibility {
 // Equal rays of one vertex are walked once and count as many. In parallel.
 Visibility vote_visibility(const Tetrahedra& tetrahedra, const Scan& scan, const AveragedPoints& averaged);
 
+// The same for `tetrahedra` that have more vertices than `before` had (without rays): only rays on which
+// cells have changed are walked again.
+Visibility vote_again(const Tetrahedra& tetrahedra, const Scan& scan, const AveragedPoints& averaged,
+                      const Tetrahedra& before, const Visibility& visibility_before);
+
 }  // namespace tetragauge
