@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace tetragauge {
 namespace {
@@ -36,6 +37,21 @@ Mat3 bounded_directions(const PlaneSet& measured, const RigidTransform& T) {
   const Vec3 free = eigen.eigenvectors().col(0);
   if (eigen.eigenvalues()[0] < 0.01) projector -= free * free.transpose();
   return projector;
+}
+
+// Those whose direction is within the gate, or may be: the mean of a direction is no farther from its faces'
+// normals than twice the angle they share.
+std::vector<size_t> planes_near(const PlaneSet& model, const Vec3& normal, const SearchGates& gates) {
+  const double least_cosine =
+      std::cos(std::min(std::numbers::pi, kFixedGates * gates.angle_rad + 2 * model.direction_rad));
+  std::vector<size_t> near;
+  for (size_t k = 0; k < model.directions.size(); ++k) {
+    const double cosine = model.directions[k].normal.dot(normal);
+    if ((gates.is_unsigned ? std::abs(cosine) : cosine) >= least_cosine)
+      near.insert(near.end(), model.planes_along[k].begin(), model.planes_along[k].end());
+  }
+  std::sort(near.begin(), near.end());
+  return near;
 }
 
 struct Fit {
@@ -72,7 +88,7 @@ std::vector<PlanePair> pair_planes(const PlaneSet& model, const PlaneSet& measur
     best.misfit = 2;
     double best_distance = 0;
     int best_group = -1;
-    for (size_t i = 0; i < model.planes.size(); ++i) {
+    for (const size_t i : planes_near(model, normal, gates)) {
       const MatchPlane& face = model.planes[i];
       if (!gates.allowed(i, j)) continue;
       const double cosine = face.normal.dot(normal);

@@ -61,6 +61,10 @@ void find_directions(PlaneSet& set, double direction_rad) {
   }
   set.directions = std::move(sorted);
   for (MatchPlane& plane : set.planes) plane.direction = place[static_cast<size_t>(plane.direction)];
+  set.direction_rad = direction_rad;
+  set.planes_along.resize(set.directions.size());
+  for (size_t i = 0; i < set.planes.size(); ++i)
+    set.planes_along[static_cast<size_t>(set.planes[i].direction)].push_back(i);
 }
 
 // Faces that the list itself cannot tell apart as planes: one degree in 600 and a hundred-thousandth of the

@@ -28,7 +28,9 @@ struct PlaneDirection {
 
 struct PlaneSet {
   std::vector<MatchPlane> planes;
-  std::vector<PlaneDirection> directions;  // by area, descending
+  std::vector<PlaneDirection> directions;         // by area, descending
+  std::vector<std::vector<size_t>> planes_along;  // of each direction the planes, ascending
+  double direction_rad = 0;                       // how far their normals may be from its largest face's
   std::vector<double> group_area_mm2;
   std::vector<int> other_ids;  // faces that are no planes, ascending
   bool has_centroids = true;   // false: the list (.hsp) names planes and areas only

@@ -5,8 +5,10 @@
 // above a bound, because what the remaining lines can still add is known (the sum of their highest peaks).
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <map>
 
 #include "host/match/search_poses.hpp"
 
@@ -94,9 +96,12 @@ class Line {
     std::sort(terms.begin(), terms.end(), [](const Term& a, const Term& b) {
       return std::tie(a.shift_mm, a.measured, a.group) < std::tie(b.shift_mm, b.measured, b.group);
     });
+    // A tenth of the gate off the summit costs a hundredth of it at most.
     std::vector<Peak> all;
-    for (const Term& term : terms)
+    for (const Term& term : terms) {
+      if (!all.empty() && term.shift_mm - all.back().shift_mm < 0.1 * gate_mm) continue;
       all.push_back({term.shift_mm, explained(term.shift_mm, gate_mm, model, tally)});
+    }
     std::stable_sort(all.begin(), all.end(),
                      [](const Peak& a, const Peak& b) { return a.explained_mm2 > b.explained_mm2; });
     for (const Peak& peak : all) {
@@ -212,13 +217,32 @@ class BranchAndBound {
       explained += line.explained(line.u.dot(t), gates_.offset_mm, model_, tally_);
     if (explained < bound_mm2_ || !holds_fixed(model_, measured_, {R_, t}, gates_, true)) return;
     bound_mm2_ = std::max(bound_mm2_, keep_ * explained);  // the first leaf is a good one, and cuts the rest
-    for (PoseCandidate& other : found_) {
-      if ((other.T_model_part.t - t).norm() < 0.5 * gates_.offset_mm) {
-        if (explained > other.explained_mm2) other = {{R_, t}, explained};
-        return;
-      }
-    }
-    found_.push_back({{R_, t}, explained});
+    add({{R_, t}, explained});
+  }
+
+  // One pose for all within half a gate: the one that explains most. Poses are looked up by cells of that
+  // size.
+  void add(const PoseCandidate& pose) {
+    const double near_mm = 0.5 * gates_.offset_mm;
+    const auto cell_of = [&](const Vec3& t) {
+      return std::array<int64_t, 3>{std::llround(t.x() / near_mm), std::llround(t.y() / near_mm),
+                                    std::llround(t.z() / near_mm)};
+    };
+    const std::array<int64_t, 3> cell = cell_of(pose.T_model_part.t);
+    for (int64_t x = cell[0] - 1; x <= cell[0] + 1; ++x)
+      for (int64_t y = cell[1] - 1; y <= cell[1] + 1; ++y)
+        for (int64_t z = cell[2] - 1; z <= cell[2] + 1; ++z) {
+          const auto at = cells_.find({x, y, z});
+          if (at == cells_.end()) continue;
+          for (const size_t k : at->second) {
+            PoseCandidate& other = found_[k];
+            if ((other.T_model_part.t - pose.T_model_part.t).norm() >= near_mm) continue;
+            if (pose.explained_mm2 > other.explained_mm2) other = pose;
+            return;
+          }
+        }
+    cells_[cell].push_back(found_.size());
+    found_.push_back(pose);
   }
 
   // Along directions that no face bounds: centroid on centroid.
@@ -238,6 +262,7 @@ class BranchAndBound {
   std::vector<Line> lines_;
   std::vector<double> rest_mm2_;  // most that lines k.. can explain
   std::vector<PoseCandidate> found_;
+  std::map<std::array<int64_t, 3>, std::vector<size_t>> cells_;  // indices into found_, where they came first
 };
 
 }  // namespace
