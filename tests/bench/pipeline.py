@@ -1,19 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""usage: pipeline.py TETRAGAUGE MODEL [POINTS...]
+"""usage: pipeline.py PROGRAMS MODEL [POINTS...]
 
-Without POINTS: time per stage from points to verdict, each the median of three runs. With POINTS (such as 1e5 1e6 3e6): one run each of
-`reconstruct` and `faces`, reading and writing included: seconds of wall clock, seconds of all cores, and memory at its peak.
+Time and memory from points to faces, reading and writing included: the model simulated at 1e3, 1e4, 1e5, 1e6 and 3e6 points (or POINTS),
+then one run each of `tetragauge reconstruct` and `tetragauge faces` (which reconstructs by itself). Seconds by the clock, processor
+seconds of all cores, memory at its peak; beside them CGAL's bare Delaunay_triangulation_3 of the same points, as CGAL sorts them.
 """
-import json
 import os
 import platform
-import statistics
 import subprocess
 import sys
 import tempfile
 import time
 
-RUNS = 3
+POINTS = (1e3, 1e4, 1e5, 1e6, 3e6)
 
 
 def machine():
@@ -37,44 +36,23 @@ def run_and_measure(command):
     return time.monotonic() - start, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
 
 
-def time_and_memory(program, model, counts):
-    print(f'machine: {machine()}; one run each')
-    print(f'{"points":>8}' + ''.join(f'{name:>22}' for name in ('reconstruct wall s', 'cores s', 'MB', 'faces wall s', 'cores s', 'MB')))
+def main():
+    programs, model = (os.path.abspath(a) for a in sys.argv[1:3])
+    tetragauge = os.path.join(programs, 'tetragauge')
+    print(f'machine: {machine()}, load {os.getloadavg()[0]:.1f} at the start; seconds, cores: processor seconds of all cores; one run each')
+    print('                  reconstruct                faces      bare Delaunay')
+    print('  points   clock   cores     MB    clock   cores     MB    clock   faces / bare')
     with tempfile.TemporaryDirectory() as folder:
         scan = os.path.join(folder, 'scan.ply')
-        for points in counts:
-            subprocess.run([program, 'simulate', '--model', model, '--out', scan, '--points', str(points), '--sigma', '0.02', '--quiet'],
+        for points in (int(float(a)) for a in sys.argv[3:] or POINTS):
+            subprocess.run([tetragauge, 'simulate', '--model', model, '--out', scan, '--points', str(points), '--sigma', '0.02', '--quiet'],
                            check=True)
-            figures = run_and_measure([program, 'reconstruct', scan, '--out', os.path.join(folder, 'mesh.ply'), '--quiet'])
-            figures += run_and_measure([program, 'faces', scan, '--quiet'])
-            print(f'{points:>8}' + ''.join(f'{value:>22.{0 if k % 3 == 2 else 2}f}' for k, value in enumerate(figures)), flush=True)
-
-
-def main():
-    program, model = (os.path.abspath(a) for a in sys.argv[1:3])
-    if len(sys.argv) > 3:
-        time_and_memory(program, model, [int(float(a)) for a in sys.argv[3:]])
-        return
-    print(f'machine: {machine()}; seconds, median of {RUNS} runs')
-    head = None
-    with tempfile.TemporaryDirectory() as folder:
-        for points in (1000, 10000, 100000):
-            scan = os.path.join(folder, 'scan.ply')
-            subprocess.run([program, 'simulate', '--model', model, '--out', scan, '--points', str(points), '--sigma', '0.02', '--quiet'],
-                           check=True)
-            rows, read = [], 0
-            for _ in range(RUNS):
-                start = time.monotonic()
-                done = subprocess.run([program, 'inspect', scan, '--model', model, '--out', os.path.join(folder, 'report'), '--quiet',
-                                       '--json', '-'], check=True, capture_output=True)
-                whole = time.monotonic() - start
-                report = json.loads(done.stdout)
-                read = report['reconstruction']['points']
-                rows.append({**report['timing_s'], 'whole command': whole})
-            if head is None:
-                head = list(rows[0])
-                print(f'{"points":>8}' + ''.join(f'{name:>15}' for name in head))
-            print(f'{read:>8}' + ''.join(f'{statistics.median(row[name] for row in rows):>15.3f}' for name in head))
+            whole = run_and_measure([tetragauge, 'reconstruct', scan, '--out', os.path.join(folder, 'mesh.ply'), '--quiet'])
+            faces = run_and_measure([tetragauge, 'faces', scan, '--quiet'])
+            bare = subprocess.run([os.path.join(programs, 'tetragauge-bare-delaunay'), scan], check=True, capture_output=True, text=True)
+            seconds = float(bare.stdout.split()[1])
+            print(f'{points:>8}' + ''.join(f'{wall:>8.2f}{cores:>8.2f}{megabytes:>7.0f} ' for wall, cores, megabytes in (whole, faces))
+                  + f'{seconds:>8.2f}{faces[0] / seconds:>15.1f}', flush=True)
 
 
 if __name__ == '__main__':

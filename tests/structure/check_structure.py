@@ -37,7 +37,7 @@ EDGES = {
 }
 # Libraries that one folder keeps to itself.
 ONLY_IN = {
-    r'CGAL/': ['host/reconstruct', 'host/faces'],
+    r'CGAL/': ['host/reconstruct', 'host/faces', 'tests/bench'],
     r'boost/graph/': ['host/reconstruct', 'host/faces'],
     r'embree': ['host/solid'],
     r'libserialport': ['host/link', 'tests/pty_preload'],
