@@ -44,6 +44,7 @@ class RequestAnswerer {
  private:
   void done() { reply_->which_body = tg_MachineMessage_done_tag; }
   void refuse(tg_RefuseReason reason, const char* detail) {
+    *reply_ = tg_MachineMessage_init_zero;
     reply_->which_body = tg_MachineMessage_refused_tag;
     tg_Refused& refused = reply_->body.refused;
     refused.reason = reason;
@@ -238,7 +239,7 @@ class RequestAnswerer {
 
   void calibration_commit_over() {
     if (m_.store.outcome() == CalibrationStore::Outcome::kFailed) {
-      m_.fail(tg_FaultCode_FAULT_STORAGE);
+      m_.fail(tg_FaultCode_FAULT_STORAGE);  // before the refusal: both are made in one place
       refuse(tg_RefuseReason_REFUSE_STORAGE,
              "the store does not take it; the calibration before is still in force");
       return;

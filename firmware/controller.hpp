@@ -159,7 +159,7 @@ class Controller {
   void run_service() {
     m_.self_test.poll(!m_.scan.sampling());
     m_.store.step();
-    if (m_.link.can_reply() && requests_.finish(&reply_)) m_.link.reply_to_pending(reply_);
+    if (m_.link.can_reply() && requests_.finish(&m_.outgoing)) m_.link.reply_to_pending(m_.outgoing);
   }
 
   void leave_if_asked() {
@@ -182,13 +182,14 @@ class Controller {
       return;
     }
     if (m_.link.replied_before(frame)) return;
-    reply_ = tg_MachineMessage_init_zero;
+    tg_MachineMessage& reply = m_.outgoing;
+    reply = tg_MachineMessage_init_zero;
     if (!good) {
-      requests_.refuse(&reply_, tg_RefuseReason_REFUSE_MALFORMED,
+      requests_.refuse(&reply, tg_RefuseReason_REFUSE_MALFORMED,
                        "does not decode; host and firmware may differ in version");
-      m_.link.reply(frame, reply_);
-    } else if (requests_.answer(message_, &reply_)) {
-      m_.link.reply(frame, reply_);
+      m_.link.reply(frame, reply);
+    } else if (requests_.answer(message_, &reply)) {
+      m_.link.reply(frame, reply);
     } else {
       m_.link.answer_later(frame);
     }
@@ -212,7 +213,6 @@ class Controller {
   bool gone_ = false;
   uint64_t leave_by_ns_ = 0;
   tg_HostMessage message_ = tg_HostMessage_init_zero;
-  tg_MachineMessage reply_ = tg_MachineMessage_init_zero;
 };
 
 }  // namespace tetragauge

@@ -28,14 +28,18 @@ struct Machine {
         supervisor(the_board),
         table(the_board, Axis::kTable, Inputs::kTableHome),
         slide(the_board, Axis::kSlide, Inputs::kSlideHome),
-        scan(the_board, supervisor, table, slide, ring),
-        link(the_board, ring),
+        scan(the_board, supervisor, table, slide, ring, burst, outgoing),
+        link(the_board, ring, outgoing),
         store(the_board.storage()),
-        self_test(the_board, store) {}
+        self_test(the_board, store, burst) {}
   Machine(const Machine&) = delete;
   Machine& operator=(const Machine&) = delete;
 
   B& board;
+  // The one message being made, whoever makes it: filled and encoded with nothing in between.
+  tg_MachineMessage outgoing = tg_MachineMessage_init_zero;
+  // The converter's: of a scan or of the self-test, which never run together.
+  PsdSample burst[kBurstSamples] = {};
   MachineConfig config;
   uint32_t config_crc = 0;
   Supervisor<B> supervisor;
@@ -94,21 +98,29 @@ struct Machine {
 
   // The record in the store, or nominal numbers without a usable one.
   void use_stored_calibration() {
-    claim = {};
-    config = nominal_config();
-    tg_Calibration calibration = tg_Calibration_init_zero;
+    use_nominal_numbers();
     if (store.total() == 0) {
       link.log(tg_LogLevel_LOG_INFO, "no calibration in the store: nominal numbers are in use");
-    } else if (!decode_calibration(store.load(), store.total(), &calibration) ||
-               calibration_error(calibration) != nullptr) {
+    } else if (!load_calibration()) {
       link.log(tg_LogLevel_LOG_ERROR, "the stored calibration does not suit this firmware: calibrate again");
-    } else {
-      config = config_of(calibration);
-      for (size_t i = 0; i < sizeof claim.id; ++i) claim.id[i] = calibration.id[i];
-      claim.u_cal_100nm = calibration.u_cal_100nm;
     }
     use_config();
     claim.config_crc = config_crc;
+  }
+
+  // These two are not inlined: their records are off the stack before the configuration is worked with.
+  [[gnu::noinline]] void use_nominal_numbers() {
+    claim = {};
+    config = nominal_config();
+  }
+  [[gnu::noinline]] bool load_calibration() {
+    tg_Calibration calibration = tg_Calibration_init_zero;
+    if (!decode_calibration(store.load(), store.total(), &calibration)) return false;
+    if (calibration_error(calibration) != nullptr) return false;
+    use_calibration(calibration, &config);
+    for (size_t i = 0; i < sizeof claim.id; ++i) claim.id[i] = calibration.id[i];
+    claim.u_cal_100nm = calibration.u_cal_100nm;
+    return true;
   }
 
   void calibration_stored() {

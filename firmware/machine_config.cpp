@@ -328,15 +328,13 @@ const char* calibration_error(const tg_Calibration& calibration) {
   return nullptr;
 }
 
-MachineConfig config_of(const tg_Calibration& calibration) {
-  MachineConfig config;
-  config.galvo = calibration.galvo;
-  config.camera[0] = calibration.camera_1;
-  config.camera[1] = calibration.camera_2;
-  config.stage = calibration.stage;
-  config.measure = calibration.measure;
-  config.volume = calibration.volume;
-  return config;
+void use_calibration(const tg_Calibration& calibration, MachineConfig* config) {
+  config->galvo = calibration.galvo;
+  config->camera[0] = calibration.camera_1;
+  config->camera[1] = calibration.camera_2;
+  config->stage = calibration.stage;
+  config->measure = calibration.measure;
+  config->volume = calibration.volume;
 }
 
 uint32_t config_crc(const MachineConfig& config) {

@@ -33,7 +33,7 @@ bool get_part(const MachineConfig& config, tg_ConfigPart part, tg_Config* out);
 tg_Calibration calibration_of(const MachineConfig& config);
 // Null when every part is there and good, else what is wrong.
 const char* calibration_error(const tg_Calibration& calibration);
-MachineConfig config_of(const tg_Calibration& calibration);
+void use_calibration(const tg_Calibration& calibration, MachineConfig* config);
 
 // CRC-32C over the encoded parts in order of ConfigPart: the identity of a configuration.
 uint32_t config_crc(const MachineConfig& config);

@@ -245,7 +245,9 @@ TEST_F(ServiceTest, CalibrationIsStoredReadBackAndInForceAfterARestart) {
   EXPECT_EQ(hello().u_cal_100nm, 73u);
   const uint32_t crc = hello().config_crc;
   EXPECT_NE(crc, nominal_crc);
-  EXPECT_EQ(crc, config_crc(config_of(calibration)));
+  MachineConfig config;
+  use_calibration(calibration, &config);
+  EXPECT_EQ(crc, config_crc(config));
 
   restart();
   EXPECT_STREQ(hello().calibration_id, "ball plate 7");

@@ -13,6 +13,12 @@
 
 namespace tetragauge {
 
+// Most bytes on the wire of an envelope with a body of so many: its tag and length take 4 at most.
+constexpr size_t wire_bytes_of(size_t body_bytes) {
+  const size_t decoded = kFrameHeaderBytes + 4 + body_bytes + kFrameCrcBytes;
+  return decoded + decoded / 254 + 2;
+}
+
 // Bytes of the frame with its ending 00; 0 when the message does not fit a frame.
 size_t encode_message(FrameHeader header, const tg_HostMessage& message, uint8_t* wire);
 size_t encode_message(FrameHeader header, const tg_MachineMessage& message, uint8_t* wire);

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""usage: worst_stack.py --most BYTES LINKED_SYMBOLS FILE.ci...
+"""usage: worst_stack.py --most BYTES [--main NAME] [--interrupts "LOW [LOW...] / HIGH ..."] LINKED_SYMBOLS FILE.ci...
 
 The most stack that any chain of calls takes, from the compiler's call graph with its frames (-fcallgraph-info=su): main
 program and, on top of it, the interrupts by priority. Assumed on the safe side:
@@ -16,9 +16,6 @@ import sys
 MESSAGE_LEVELS = 4
 UNKNOWN_BYTES = 64
 EXCEPTION_BYTES = 112  # what the processor stacks with its floating-point registers, and alignment
-MAIN = 'Reset_Handler'
-# From low to high priority; each list cannot interrupt itself.
-INTERRUPTS = [['Alarm_Handler', 'Samples_Handler'], ['Interlock_Handler'], ['Step_Handler']]
 INDIRECT = '__indirect_call'
 
 
@@ -96,6 +93,9 @@ def depths(frames, calls, indirect):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument('--most', type=int, required=True)
+    parser.add_argument('--main', default='Reset_Handler')
+    parser.add_argument('--interrupts', default='Alarm_Handler Samples_Handler / Interlock_Handler / Step_Handler',
+                        help='from low to high priority; those of one priority cannot interrupt one another')
     parser.add_argument('linked')
     parser.add_argument('graphs', nargs='+')
     arguments = parser.parse_args()
@@ -103,7 +103,8 @@ def main():
     sys.setrecursionlimit(10000)
     frames, names, calls = read_graph(arguments.graphs, linked)
 
-    entries = {MAIN}.union(*INTERRUPTS)
+    interrupts = [level.split() for level in arguments.interrupts.split('/')]
+    entries = {arguments.main}.union(*interrupts)
     missing = entries - set(frames)
     if missing:
         sys.exit(f'worst_stack: no frame of {", ".join(sorted(missing))}; is it still a function of its own?')
@@ -113,14 +114,14 @@ def main():
     indirect = max((without[t][0] for t in by_pointer), default=0)
     depth = depths(frames, calls, indirect)
 
-    total = depth[MAIN][0]
-    print(f'stack of the main program: {depth[MAIN][0]} bytes, along')
-    node = MAIN
+    total = depth[arguments.main][0]
+    print(f'stack of the main program: {total} bytes, along')
+    node = arguments.main
     while node is not None:
         own = frames.get(node, UNKNOWN_BYTES)
         print(f'  {own:5d}  {names.get(node, node)[:110]}')
         node = depth[node][1] if node in depth else None
-    for level in INTERRUPTS:
+    for level in interrupts:
         worst = max(level, key=lambda t: depth[t][0])
         print(f'on top of it {worst}: {depth[worst][0]} bytes, {EXCEPTION_BYTES} by the processor')
         total += depth[worst][0] + EXCEPTION_BYTES

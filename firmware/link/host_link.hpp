@@ -15,7 +15,9 @@ inline constexpr uint64_t kHeartbeatNs = 100'000'000;
 template <Board B>
 class HostLink {
  public:
-  HostLink(B& board, StreamRing& ring) : board_(board), ring_(ring) {}
+  // `outgoing`: where an event is made.
+  HostLink(B& board, StreamRing& ring, tg_MachineMessage& outgoing)
+      : board_(board), ring_(ring), event_(outgoing) {}
 
   // True when a good frame came; frame() is valid until the next call. While a reply waits to be sent no more
   // is read.
@@ -164,9 +166,10 @@ class HostLink {
   size_t reply_bytes_ = 0;
 
   LogQueue logs_;
-  tg_MachineMessage event_ = tg_MachineMessage_init_zero;
+  tg_MachineMessage& event_;
   uint32_t event_count_ = 0;
-  uint8_t fault_wire_[kFrameWireBytes] = {}, heartbeat_wire_[kFrameWireBytes] = {};
+  uint8_t fault_wire_[wire_bytes_of(tg_Fault_size)] = {};
+  uint8_t heartbeat_wire_[wire_bytes_of(tg_Heartbeat_size)] = {};
   size_t fault_bytes_ = 0, heartbeat_bytes_ = 0;
   bool heartbeats_ = false;
   uint64_t next_heartbeat_ns_ = 0;

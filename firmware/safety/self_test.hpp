@@ -15,7 +15,9 @@ namespace tetragauge {
 template <Board B>
 class SelfTest {
  public:
-  SelfTest(B& board, const CalibrationStore& store) : board_(board), store_(store) {}
+  // `burst` has room for kBurstSamples; it is used from the poll() on that finds the converter free.
+  SelfTest(B& board, const CalibrationStore& store, PsdSample* burst)
+      : board_(board), store_(store), burst_(burst) {}
 
   // Axes at rest.
   void start(const MachineConfig& config) {
@@ -56,9 +58,9 @@ class SelfTest {
     burst_running_ = false;
     const uint64_t took_ns = board_.now_ns() - burst_start_ns_;
     if (took_ns > longest_burst_ns_) longest_burst_ns_ = took_ns;
-    for (const PsdSample& sample : burst_) {
+    for (uint32_t i = 0; i < kBurstSamples; ++i) {
       for (int c = 0; c < 2; ++c) {
-        const PsdSample::Camera& camera = sample.camera[c];
+        const PsdSample::Camera& camera = burst_[i].camera[c];
         const int16_t codes[4] = {camera.x1, camera.x2, camera.y1, camera.y2};
         for (int k = 0; k < 4; ++k) channels_[4 * c + k].add(codes[k]);
       }
@@ -193,6 +195,7 @@ class SelfTest {
 
   B& board_;
   const CalibrationStore& store_;
+  PsdSample* const burst_;
   const MachineConfig* config_ = nullptr;
   bool running_ = false;
   uint64_t end_ns_ = 0;
@@ -201,7 +204,6 @@ class SelfTest {
   uint64_t step_due_ = 0, step_late_ns_[kAxes] = {};
   volatile bool step_pending_[kAxes] = {};
 
-  PsdSample burst_[kBurstSamples] = {};
   volatile bool burst_running_ = false;
   uint64_t burst_start_ns_ = 0, longest_burst_ns_ = 0;
   volatile uint32_t bursts_done_ = 0;

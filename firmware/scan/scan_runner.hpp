@@ -28,8 +28,16 @@ inline constexpr uint64_t kNever = ~uint64_t{0};
 template <Board B>
 class ScanRunner {
  public:
-  ScanRunner(B& board, Supervisor<B>& supervisor, AxisMover<B>& table, AxisMover<B>& slide, StreamRing& ring)
-      : board_(board), supervisor_(supervisor), table_(table), slide_(slide), ring_(ring) {}
+  // `burst` has room for kBurstSamples; `outgoing`: where an item is made.
+  ScanRunner(B& board, Supervisor<B>& supervisor, AxisMover<B>& table, AxisMover<B>& slide, StreamRing& ring,
+             PsdSample* burst, tg_MachineMessage& outgoing)
+      : board_(board),
+        supervisor_(supervisor),
+        table_(table),
+        slide_(slide),
+        ring_(ring),
+        burst_(burst),
+        item_(outgoing) {}
 
   void configure(const MachineConfig& config) {
     config_ = &config;
@@ -382,6 +390,8 @@ class ScanRunner {
   AxisMover<B>& table_;
   AxisMover<B>& slide_;
   StreamRing& ring_;
+  PsdSample* const burst_;
+  tg_MachineMessage& item_;
   const MachineConfig* config_ = nullptr;
   MachineGeometry<MachineScalar> geometry_;
   const ScanPlan* plan_ = nullptr;
@@ -398,7 +408,6 @@ class ScanRunner {
   bool settled_ = true;
   SpotStability stability_;
   RaySamples samples_;
-  PsdSample burst_[kBurstSamples] = {};
   uint32_t burst_count_ = 0, remaining_ = 0, burst_number_ = 0;
   Phase burst_phase_ = Phase::kNone;
   volatile bool burst_running_ = false;
@@ -413,7 +422,6 @@ class ScanRunner {
 
   BatchBuilder builder_;
   uint64_t batch_due_ns_ = 0;
-  tg_MachineMessage item_ = tg_MachineMessage_init_zero;
   uint32_t points_ = 0, rejected_ = 0, crc_ = 0;
   Tally tally_;
   uint32_t inconsistent_ = 0, railed_ = 0;
