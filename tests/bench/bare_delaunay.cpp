@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <vector>
 
 #include "host/scan/scan_file.hpp"
@@ -26,8 +27,11 @@ int main(int argc, char** argv) {
     for (const tetragauge::Vec3& p : scan->points) points.emplace_back(p.x(), p.y(), p.z());
   }
   const auto start = std::chrono::steady_clock::now();
+  const std::clock_t cores_start = std::clock();
   CGAL::Delaunay_triangulation_3<Kernel> triangulation;
   triangulation.insert(points.begin(), points.end());
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  std::printf("%zu %.3f\n", static_cast<size_t>(triangulation.number_of_finite_cells()), seconds.count());
+  const double cores_s = static_cast<double>(std::clock() - cores_start) / CLOCKS_PER_SEC;
+  std::printf("%zu %.3f %.3f\n", static_cast<size_t>(triangulation.number_of_finite_cells()), seconds.count(),
+              cores_s);
 }

@@ -40,8 +40,8 @@ def main():
     programs, model = (os.path.abspath(a) for a in sys.argv[1:3])
     tetragauge = os.path.join(programs, 'tetragauge')
     print(f'machine: {machine()}, load {os.getloadavg()[0]:.1f} at the start; seconds, cores: processor seconds of all cores; one run each')
-    print('                  reconstruct                faces      bare Delaunay')
-    print('  points   clock   cores     MB    clock   cores     MB    clock   faces / bare')
+    print('                  reconstruct                   faces         bare Delaunay   faces / bare')
+    print('  points   clock   cores     MB    clock   cores     MB    clock   cores   clock   cores')
     with tempfile.TemporaryDirectory() as folder:
         scan = os.path.join(folder, 'scan.ply')
         for points in (int(float(a)) for a in sys.argv[3:] or POINTS):
@@ -50,9 +50,9 @@ def main():
             whole = run_and_measure([tetragauge, 'reconstruct', scan, '--out', os.path.join(folder, 'mesh.ply'), '--quiet'])
             faces = run_and_measure([tetragauge, 'faces', scan, '--quiet'])
             bare = subprocess.run([os.path.join(programs, 'tetragauge-bare-delaunay'), scan], check=True, capture_output=True, text=True)
-            seconds = float(bare.stdout.split()[1])
+            bare_wall, bare_cores = (float(a) for a in bare.stdout.split()[1:])
             print(f'{points:>8}' + ''.join(f'{wall:>8.2f}{cores:>8.2f}{megabytes:>7.0f} ' for wall, cores, megabytes in (whole, faces))
-                  + f'{seconds:>8.2f}{faces[0] / seconds:>15.1f}', flush=True)
+                  + f'{bare_wall:>8.2f}{bare_cores:>8.2f}{faces[0] / bare_wall:>8.1f}{faces[1] / bare_cores:>8.1f}', flush=True)
 
 
 if __name__ == '__main__':
