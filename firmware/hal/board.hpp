@@ -42,6 +42,7 @@ struct PsdSample {
 inline constexpr uint32_t kBurstSamples = 64;  // longest burst
 
 // Mirror converters: signed code, kUradPerMirrorCode of mechanical mirror angle each.
+// A coarser converter does only every kMirrorCodeStep-th code; the firmware asks it for no other.
 inline constexpr int32_t kUradPerMirrorCode = 6;
 
 enum class Axis : uint8_t { kTable = 0, kSlide = 1 };
@@ -69,6 +70,7 @@ concept Board = requires(B board, const B& constant, uint64_t time_ns, uint64_t 
   { constant.now_ns() } -> std::same_as<uint64_t>;
   { board.set_alarm_ns(time_ns) } -> std::same_as<void>;
 
+  { B::kMirrorCodeStep } -> std::convertible_to<int32_t>;
   { board.set_mirrors(code, code) } -> std::same_as<void>;  // a, b; both at once
   { board.set_laser(on) } -> std::same_as<void>;
   // First sample one period after the call; the whole burst takes count periods.

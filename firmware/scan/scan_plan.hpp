@@ -24,10 +24,11 @@ struct RayTarget {
   int32_t a_urad = 0, b_urad = 0;
 };
 
-// The converter's step nearest to an angle.
-constexpr int32_t mirror_code(int32_t urad) {
-  const int32_t half = kUradPerMirrorCode / 2;
-  return (urad + (urad < 0 ? -half : half)) / kUradPerMirrorCode;
+// The code nearest to an angle, of those a converter with every `step`-th of them can do.
+constexpr int32_t mirror_code(int32_t urad, int32_t step = 1) {
+  const int32_t urad_a_step = kUradPerMirrorCode * step;
+  const int32_t half = urad_a_step / 2;
+  return (urad + (urad < 0 ? -half : half)) / urad_a_step * step;
 }
 
 // A listed view has rows = 0.

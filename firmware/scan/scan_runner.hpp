@@ -66,8 +66,8 @@ class ScanRunner {
   int32_t a_urad() const { return a_code_ * kUradPerMirrorCode; }
   int32_t b_urad() const { return b_code_ * kUradPerMirrorCode; }
   void aim(RayTarget target) {
-    a_code_ = mirror_code(target.a_urad);
-    b_code_ = mirror_code(target.b_urad);
+    a_code_ = mirror_code(target.a_urad, B::kMirrorCodeStep);
+    b_code_ = mirror_code(target.b_urad, B::kMirrorCodeStep);
     board_.set_mirrors(static_cast<int16_t>(a_code_), static_cast<int16_t>(b_code_));
   }
 

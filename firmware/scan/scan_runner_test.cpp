@@ -15,6 +15,29 @@
 namespace tetragauge {
 namespace {
 
+// With a converter of 12 bits.
+struct CoarseBoard : FakeBoard {
+  static constexpr int32_t kMirrorCodeStep = 16;
+};
+
+TEST(ScanRunner, ACoarseConverterIsAskedOnlyForWhatItCanDo) {
+  CoarseBoard board;
+  Supervisor<CoarseBoard> supervisor(board);
+  AxisMover<CoarseBoard> table(board, Axis::kTable, Inputs::kTableHome),
+      slide(board, Axis::kSlide, Inputs::kSlideHome);
+  const auto ring = std::make_unique<StreamRing>();
+  PsdSample burst[kBurstSamples];
+  tg_MachineMessage outgoing = tg_MachineMessage_init_zero;
+  ScanRunner<CoarseBoard> runner(board, supervisor, table, slide, *ring, burst, outgoing);
+  for (int32_t urad = -170'000; urad <= 170'000; urad += 7) {
+    runner.aim({urad, -urad});
+    ASSERT_EQ(board.mirror_a % 16, 0);
+    ASSERT_EQ(board.mirror_b, -board.mirror_a);
+    ASSERT_EQ(runner.a_urad(), board.mirror_a * kUradPerMirrorCode) << "what is reported is what is driven";
+    ASSERT_LE(std::abs(runner.a_urad() - urad), 16 * kUradPerMirrorCode / 2);
+  }
+}
+
 using Codes = std::array<int16_t, 8>;
 
 Codes codes_of(const PsdSample& sample) {
