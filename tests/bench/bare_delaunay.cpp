@@ -32,6 +32,6 @@ int main(int argc, char** argv) {
   triangulation.insert(points.begin(), points.end());
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   const double cores_s = static_cast<double>(std::clock() - cores_start) / CLOCKS_PER_SEC;
-  std::printf("%zu %.3f %.3f\n", static_cast<size_t>(triangulation.number_of_finite_cells()), seconds.count(),
+  std::printf("%zu %.6f %.6f\n", static_cast<size_t>(triangulation.number_of_finite_cells()), seconds.count(),
               cores_s);
 }
