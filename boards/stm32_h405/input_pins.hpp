@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Switches and ready signals. Each pin has a low-pass of its own (docs/machine.md: 10 kohm, 10 nF) and the
+// Switches and ready signals. Each pin has a low-pass of its own (docs/machine.md: 1 kohm, 100 nF) and the
 // chip's Schmitt trigger behind it; the interlock's edges pass TIM4's digital filter besides, and interrupt.
 #pragma once
 

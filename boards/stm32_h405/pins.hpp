@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which pin is what. docs/machine.md has the same as a table with the wiring; the two must agree
-// (pins_test.cpp).
+// (pins_test.py).
 #pragma once
 
 #include "boards/stm32_h405/registers/gpio.hpp"

@@ -30,7 +30,8 @@ class Machine:
         # Time is counted by instructions: what the timers show does not depend on how busy this machine is.
         self.qemu = subprocess.Popen(
             ['qemu-system-arm', '-M', 'netduinoplus2', '-display', 'none', '-monitor', 'none', '-icount', 'shift=3', '-kernel', IMAGE,
-             '-serial', f'unix:{self.socket},server=on,wait=on'], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+             '-d', 'guest_errors', '-D', os.path.join(self.folder, 'log'), '-serial', f'unix:{self.socket},server=on,wait=on'],
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         for _ in range(300):
             if os.path.exists(self.socket):
                 return self
@@ -41,6 +42,12 @@ class Machine:
         self.qemu.kill()
         self.qemu.wait()
         shutil.rmtree(self.folder)
+
+    def bad_accesses(self):
+        return open(os.path.join(self.folder, 'log'), encoding='utf-8').read()
+
+    def enter_bootloader(self):
+        subprocess.run([HELLO, '--port', 'unix:' + self.socket, '--bootloader'], check=True, timeout=60)
 
     def hello(self):
         run = subprocess.run([HELLO, '--port', 'unix:' + self.socket, '--json'], capture_output=True, text=True, timeout=60)
@@ -53,6 +60,7 @@ class BootsOnNetduinoplus2(unittest.TestCase):
     def setUpClass(cls):
         with Machine() as machine:
             cls.code, cls.said = machine.hello()
+            cls.accesses = machine.bad_accesses()
         print(json.dumps(cls.said, indent=1))
         cls.test = {item['check']: item for item in cls.said['self_test']}
 
@@ -86,6 +94,18 @@ class BootsOnNetduinoplus2(unittest.TestCase):
         # 1 GHz instead of 84 MHz: off by 1000 / 84 - 1.
         expected = (1000 / 84 - 1) * 1e6
         self.assertAlmostEqual(self.test['clock']['value'], expected, delta=0.01 * expected)
+
+    def test_nothing_is_touched_that_no_stm32f405_has(self):
+        self.assertNotIn('Invalid', self.accesses)
+
+    def test_enter_bootloader_reaches_for_it_and_a_crash_is_told(self):
+        # This chip has no bootloader: reading it is a hard fault, which the next start reports.
+        with Machine() as machine:
+            machine.enter_bootloader()
+            _, said = machine.hello()
+            self.assertRegex(machine.bad_accesses(), r'Invalid read at addr 0x1FFF0000')
+        self.assertIn('the firmware has crashed (hard fault) and started again', said['log'])
+        self.assertEqual(said['boot_id'], self.said['boot_id'] + 1)
 
 
 if __name__ == '__main__':

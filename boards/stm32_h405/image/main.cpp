@@ -44,8 +44,9 @@ void* operator new(size_t, tetragauge::InPlace place) noexcept {
 
 namespace tetragauge {
 
-// AN2606, STM32F40xxx: system memory at 1FFF0000 begins with its stack and its start. From here the chip is
-// as after a reset, which is what it needs.
+// A reset stops the watchdog, so the bootloader has all the time it needs. AN2606, STM32F40xxx: system memory
+// at 1FFF0000 begins with its stack and its start. From here the chip is as after a reset, which is what it
+// needs.
 void before_memory_is_ready() {
   if (reset_wish != kIntoBootloader) return;
   reset_wish = 0;
