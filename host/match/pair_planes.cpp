@@ -157,8 +157,7 @@ std::vector<double> face_costs(const PlaneSet& model, const PlaneSet& measured, 
                                const std::vector<PlanePair>& pairs, double scatter_mm, double scatter_rad) {
   double largest_mm2 = 0;
   for (const MatchPlane& seen : measured.planes) largest_mm2 = std::max(largest_mm2, seen.area_mm2);
-  // A face of a fiftieth of the largest one's area counts half: it may well be an artefact.
-  const auto weight = [&](double area_mm2) { return area_mm2 / (area_mm2 + 0.02 * largest_mm2); };
+  const auto weight = [&](double area_mm2) { return face_weight(area_mm2, largest_mm2); };
 
   std::vector<double> costs;
   for (const MatchPlane& seen : measured.planes) costs.push_back(kFaceCost * weight(seen.area_mm2));

@@ -45,6 +45,7 @@ void find_directions(PlaneSet& set, double direction_rad) {
     PlaneDirection& direction = set.directions[static_cast<size_t>(plane.direction)];
     direction.normal += plane.area_mm2 * plane.normal;
     direction.area_mm2 += plane.area_mm2;
+    direction.weight += plane.weight;
   }
   for (PlaneDirection& direction : set.directions) direction.normal.normalize();
 
@@ -137,7 +138,13 @@ PlaneSet plane_set(const FaceList& list, double direction_rad) {
   set.has_areas = all_area_mm2 > 0;
   if (!set.has_areas)
     for (MatchPlane& plane : set.planes) plane.area_mm2 = 1;
-  for (const MatchPlane& plane : set.planes) set.area_mm2 += plane.area_mm2;
+  double largest_mm2 = 0;
+  for (const MatchPlane& plane : set.planes) largest_mm2 = std::max(largest_mm2, plane.area_mm2);
+  for (MatchPlane& plane : set.planes) {
+    plane.weight = largest_mm2 > 0 ? face_weight(plane.area_mm2, largest_mm2) : 0;
+    set.area_mm2 += plane.area_mm2;
+    set.weight += plane.weight;
+  }
 
   set.has_centroids = some_point;
   if (!set.has_centroids) {

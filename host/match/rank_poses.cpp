@@ -10,14 +10,17 @@
 namespace tetragauge {
 namespace {
 
-// Poses that explain less than this share of what the best one does cannot win on the details.
-constexpr double kKeep = 0.75;
+// Poses that explain less than this share of what the best one does cannot win on the details. What noise
+// takes from the explained weight of a good pose scatters with the number of faces.
+double share_to_keep(size_t faces) {
+  return 1 - 0.25 * std::min(1.0, std::sqrt(10.0 / static_cast<double>(faces)));
+}
 constexpr size_t kMostPoses = 300;
 // A pose that is sure to cost so much more than another (four faces) is not looked at further, not even as
 // the rival of a near-symmetric part.
 constexpr double kHopeless = 4 * kFaceCost;
-// A pose that explains as much is worth telling why it is not the one.
-constexpr double kRival = 0.9;
+// A pose that explains so much of what the best one does is worth telling why it is not the one.
+constexpr double kRival = 0.75;
 
 // A face alone along its direction fits there whatever it is; one that is also tilted beyond belief (an extra
 // face that happens to lie within the gates) would pin the part where nothing holds it. A plane of any
@@ -77,15 +80,15 @@ RankedPose refined(const MatchInput& input, const RigidTransform& start) {
 }
 
 // As the search counts it, but for the pairs that are left after a look at the centroids.
-double explained_mm2(const PlaneSet& model, const PlaneSet& measured, const RankedPose& pose,
-                     const SearchGates& gates) {
+double explained(const PlaneSet& model, const PlaneSet& measured, const RankedPose& pose,
+                 const SearchGates& gates) {
   double total = 0;
   for (const PlanePair& pair : pose.pairs) {
     const MatchPlane& seen = measured.planes[pair.measured];
     const Vec3 r =
         plane_residual(observe(model.planes[pair.model], seen, pair.flipped), pose.pose.T_model_part);
     const double offset = r[0] / gates.offset_mm, turn = std::hypot(r[1], r[2]) / gates.angle_rad;
-    total += seen.area_mm2 * std::max(0.0, (1 - offset * offset) * (1 - turn * turn));
+    total += seen.weight * std::max(0.0, (1 - offset * offset) * (1 - turn * turn));
   }
   return total;
 }
@@ -179,7 +182,8 @@ RankedPoses rank_poses(const MatchInput& input, double within) {
   const PlaneSet &model = input.model, &measured = input.measured;
   const SearchGates& gates = input.gates;
   RankedPoses out;
-  std::vector<PoseCandidate> candidates = search_poses(model, measured, gates, kKeep);
+  std::vector<PoseCandidate> candidates =
+      search_poses(model, measured, gates, share_to_keep(measured.planes.size()));
   out.compared = candidates.size();
   if (candidates.size() > kMostPoses) candidates.resize(kMostPoses);
   double cheapest = 1e300;  // so far, each with its own scatter
@@ -195,8 +199,7 @@ RankedPoses rank_poses(const MatchInput& input, double within) {
   // All poses are judged with one scatter: that of the pose that explains most, then that of the cheapest.
   size_t best = 0;
   for (size_t k = 1; k < out.poses.size(); ++k)
-    if (explained_mm2(model, measured, out.poses[k], gates) >
-        explained_mm2(model, measured, out.poses[best], gates))
+    if (explained(model, measured, out.poses[k], gates) > explained(model, measured, out.poses[best], gates))
       best = k;
   for (int pass = 0; pass < 2; ++pass) {
     out.scatter_mm = out.poses[best].pose.scatter_mm;
@@ -213,18 +216,23 @@ RankedPoses rank_poses(const MatchInput& input, double within) {
   const double limit = out.poses[best].cost + within;
   std::stable_sort(out.poses.begin(), out.poses.end(),
                    [](const RankedPose& a, const RankedPose& b) { return a.cost < b.cost; });
-  const double almost_mm2 = kRival * explained_mm2(model, measured, out.poses[0], gates);
+  const double almost = kRival * explained(model, measured, out.poses[0], gates);
   std::vector<RankedPose> kept;
   for (RankedPose& pose : out.poses) {
     const auto same = [&](const RankedPose& other) {
       return same_pose(pose, other, measured.centroid_mm, gates);
     };
+    // Of rivals that only shift the part one is enough.
+    const auto turned_alike = [&](const RankedPose& other) {
+      return rotation_angle(pose.pose.T_model_part.R * other.pose.T_model_part.R.transpose()) <
+             gates.angle_rad;
+    };
     if (std::any_of(kept.begin(), kept.end(), same)) continue;
     if (pose.cost < limit) {
       kept.push_back(std::move(pose));
-    } else if (out.rivals.size() < kMostRuledOut &&
-               explained_mm2(model, measured, pose, gates) > almost_mm2 &&
-               std::none_of(out.rivals.begin(), out.rivals.end(), same)) {
+    } else if (out.rivals.size() < kMostRuledOut && explained(model, measured, pose, gates) > almost &&
+               std::none_of(kept.begin(), kept.end(), turned_alike) &&
+               std::none_of(out.rivals.begin(), out.rivals.end(), turned_alike)) {
       out.rivals.push_back(std::move(pose));
     }
   }

@@ -10,7 +10,7 @@
 namespace tetragauge {
 
 // Poses ruled out that are worth telling.
-inline constexpr size_t kMostRuledOut = 8;
+inline constexpr size_t kMostRuledOut = 4;
 
 struct RankedPose {
   RefinedPose pose;

@@ -7,19 +7,19 @@
 namespace tetragauge {
 namespace {
 
-// Area that a rotation can explain that was built from no pair among the first `count` directions: all but
+// Weight that a rotation can explain that was built from no pair among the first `count` directions: all but
 // those, and of those only what lies along one line.
-double most_unseen_mm2(const PlaneSet& measured, size_t count) {
+double most_unseen(const PlaneSet& measured, size_t count) {
   double first = 0, longest_line = 0;
   for (size_t i = 0; i < count; ++i) {
-    first += measured.directions[i].area_mm2;
+    first += measured.directions[i].weight;
     double line = 0;
     for (size_t k = 0; k < count; ++k)
       if (std::abs(measured.directions[i].normal.dot(measured.directions[k].normal)) > 0.99)
-        line += measured.directions[k].area_mm2;
+        line += measured.directions[k].weight;
     longest_line = std::max(longest_line, line);
   }
-  return measured.area_mm2 - first + longest_line;
+  return measured.weight - first + longest_line;
 }
 
 }  // namespace
@@ -45,19 +45,19 @@ std::vector<PoseCandidate> search_poses(const PlaneSet& model, const PlaneSet& m
     found.clear();
     double best = 0;
     for (const RotationCandidate& rotation : search_rotations(model, measured, count, gates)) {
-      const double least = std::max(keep * best, 1e-3 * measured.area_mm2);
-      if (rotation.explained_mm2 < least) break;
+      const double least = std::max(keep * best, 1e-3 * measured.weight);
+      if (rotation.explained < least) break;
       for (const PoseCandidate& pose : search_translations(model, measured, rotation.R, gates, least, keep)) {
-        best = std::max(best, pose.explained_mm2);
+        best = std::max(best, pose.explained);
         found.push_back(pose);
       }
     }
-    std::erase_if(found, [&](const PoseCandidate& pose) { return pose.explained_mm2 < keep * best; });
+    std::erase_if(found, [&](const PoseCandidate& pose) { return pose.explained < keep * best; });
     // Complete when no pose built from other directions could come near the best one.
-    if (count == all || most_unseen_mm2(measured, count) < keep * best) break;
+    if (count == all || most_unseen(measured, count) < keep * best) break;
   }
   std::stable_sort(found.begin(), found.end(),
-                   [](const auto& a, const auto& b) { return a.explained_mm2 > b.explained_mm2; });
+                   [](const auto& a, const auto& b) { return a.explained > b.explained; });
   return found;
 }
 

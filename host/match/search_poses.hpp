@@ -28,7 +28,7 @@ bool holds_fixed(const PlaneSet& model, const PlaneSet& measured, const RigidTra
 
 struct PoseCandidate {
   RigidTransform T_model_part;
-  double explained_mm2 = 0;  // measured area on a model face, less for what fits badly
+  double explained = 0;  // weight of the measured faces on a model face, less for what fits badly
 };
 
 // Measured faces may add up to this much more than the model's area on the same plane before the rest counts
@@ -41,7 +41,7 @@ std::vector<PoseCandidate> search_poses(const PlaneSet& model, const PlaneSet& m
 
 struct RotationCandidate {
   Mat3 R = Mat3::Identity();  // model from part
-  double explained_mm2 = 0;   // by direction alone: no translation can explain more
+  double explained = 0;       // by direction alone: no translation can explain more
 };
 
 // Rotations from all pairs among the first `measured_directions` directions, best first, each once.
@@ -49,9 +49,9 @@ struct RotationCandidate {
 std::vector<RotationCandidate> search_rotations(const PlaneSet& model, const PlaneSet& measured,
                                                 size_t measured_directions, const SearchGates& gates);
 
-// All translations for one rotation that explain at least `at_least_mm2`, and `keep` of what the best of them
+// All translations for one rotation that explain at least `at_least`, and `keep` of what the best of them
 // does.
 std::vector<PoseCandidate> search_translations(const PlaneSet& model, const PlaneSet& measured, const Mat3& R,
-                                               const SearchGates& gates, double at_least_mm2, double keep);
+                                               const SearchGates& gates, double at_least, double keep);
 
 }  // namespace tetragauge

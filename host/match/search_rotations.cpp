@@ -29,19 +29,18 @@ Mat3 rotation_from_pair(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3&
 }
 
 struct DirectionFit {
-  double explained_mm2 = 0;
+  double explained = 0;
   Mat3 refined = Mat3::Identity();
 };
 
 class DirectionScore {
  public:
   DirectionScore(const std::vector<PlaneDirection>& model, const PlaneSet& measured, double gate_rad)
-      : model_(model), measured_(measured), gate_rad_(gate_rad), sum_(model.size()) {}
+      : model_(model), measured_(measured), gate_rad_(gate_rad) {}
 
-  // Measured area per model direction, capped by what the model has there; `gate_rad` is wide before the
-  // rotation is refined.
+  // Weight of the measured faces with a model direction; `gate_rad` is wide before the rotation is refined.
   double explained(const Mat3& R, double gate_rad, Mat3* scatter) {
-    std::fill(sum_.begin(), sum_.end(), 0.0);
+    double total = 0;
     const double least_cosine = std::cos(gate_rad);
     for (const PlaneDirection& direction : measured_.directions) {
       const Vec3 turned = R * direction.normal;
@@ -56,11 +55,9 @@ class DirectionScore {
       }
       if (at == model_.size()) continue;
       const double share = angle_between(turned, model_[at].normal) / gate_rad;
-      sum_[at] += direction.area_mm2 * (1 - share * share);
+      total += direction.weight * (1 - share * share);
       if (scatter) *scatter += direction.area_mm2 * model_[at].normal * direction.normal.transpose();
     }
-    double total = 0;
-    for (size_t k = 0; k < model_.size(); ++k) total += std::min(sum_[k], kAreaSlack * model_[k].area_mm2);
     return total;
   }
 
@@ -81,7 +78,6 @@ class DirectionScore {
   const std::vector<PlaneDirection>& model_;
   const PlaneSet& measured_;
   double gate_rad_;
-  std::vector<double> sum_;
 };
 
 // With unsigned normals every model direction stands for both of its senses.
@@ -137,7 +133,7 @@ std::vector<RotationCandidate> search_rotations(const PlaneSet& model, const Pla
         propose(Eigen::Quaterniond::FromTwoVectors(seen[i].normal, p.normal).toRotationMatrix());
 
   std::stable_sort(raw.begin(), raw.end(),
-                   [](const auto& a, const auto& b) { return a.explained_mm2 > b.explained_mm2; });
+                   [](const auto& a, const auto& b) { return a.explained > b.explained; });
   std::vector<RotationCandidate> kept;
   const double same_trace = 1 + 2 * std::cos(0.6 * gates.angle_rad);
   const auto known = [&](const Mat3& R) {
@@ -152,7 +148,7 @@ std::vector<RotationCandidate> search_rotations(const PlaneSet& model, const Pla
     if (!known(refined.R)) kept.push_back(refined);
   }
   std::stable_sort(kept.begin(), kept.end(),
-                   [](const auto& a, const auto& b) { return a.explained_mm2 > b.explained_mm2; });
+                   [](const auto& a, const auto& b) { return a.explained > b.explained; });
   return kept;
 }
 

@@ -17,15 +17,16 @@ namespace {
 
 struct Term {
   double shift_mm;  // u . t that puts measured face j on model face i
-  double weight_mm2;
+  double weight;
   int measured, group;
 };
 
 struct Peak {
-  double shift_mm, explained_mm2;
+  double shift_mm, explained;
 };
 
-// Each measured face counts once, where it weighs most; each model plane no more than its area. Kept between
+// Each measured face counts once, where it weighs most; and a model plane with more on it than its area
+// only in that proportion. Kept between
 // calls, so that starting anew costs nothing.
 class Tally {
  public:
@@ -45,15 +46,21 @@ class Tally {
       best.weight = weight;
     }
   }
-  double total(const PlaneSet& model) {
-    double total = 0;
+  double total(const PlaneSet& model, const PlaneSet& measured) {
+    groups_.clear();
     for (const size_t j : measured_) {
       Sum& sum = sum_[best_[j].group];
-      if (sum.when != now_) sum = {now_, 0};
-      const double most = kAreaSlack * model.group_area_mm2[best_[j].group];
-      const double before = std::min(sum.weight, most);
+      if (sum.when != now_) {
+        sum = {now_, 0, 0};
+        groups_.push_back(best_[j].group);
+      }
       sum.weight += best_[j].weight;
-      total += std::min(sum.weight, most) - before;
+      sum.area_mm2 += measured.planes[j].area_mm2;
+    }
+    double total = 0;
+    for (const size_t g : groups_) {
+      const double most_mm2 = kAreaSlack * model.group_area_mm2[g];
+      total += sum_[g].weight * (sum_[g].area_mm2 > most_mm2 ? most_mm2 / sum_[g].area_mm2 : 1);
     }
     return total;
   }
@@ -66,12 +73,12 @@ class Tally {
   };
   struct Sum {
     uint64_t when = 0;
-    double weight = 0;
+    double weight = 0, area_mm2 = 0;
   };
   uint64_t now_ = 0;
   std::vector<Best> best_;
   std::vector<Sum> sum_;
-  std::vector<size_t> measured_;  // offered since the beginning
+  std::vector<size_t> measured_, groups_;  // offered since the beginning
 };
 
 class Line {
@@ -80,30 +87,32 @@ class Line {
   std::vector<Term> terms;  // by shift
   std::vector<Peak> peaks;  // by explained area, descending
 
-  double explained(double shift_mm, double gate_mm, const PlaneSet& model, Tally& tally) const {
+  double explained(double shift_mm, double gate_mm, const PlaneSet& model, const PlaneSet& measured,
+                   Tally& tally) const {
     tally.begin();
     auto term = std::lower_bound(terms.begin(), terms.end(), shift_mm - gate_mm,
                                  [](const Term& a, double s) { return a.shift_mm < s; });
     for (; term != terms.end() && term->shift_mm <= shift_mm + gate_mm; ++term) {
       const double share = (term->shift_mm - shift_mm) / gate_mm;
       tally.offer(static_cast<size_t>(term->measured), static_cast<size_t>(term->group),
-                  term->weight_mm2 * (1 - share * share));
+                  term->weight * (1 - share * share));
     }
-    return tally.total(model);
+    return tally.total(model, measured);
   }
 
-  void find_peaks(double gate_mm, const PlaneSet& model, Tally& tally) {
+  void find_peaks(double gate_mm, const PlaneSet& model, const PlaneSet& measured, Tally& tally) {
     std::sort(terms.begin(), terms.end(), [](const Term& a, const Term& b) {
-      return std::tie(a.shift_mm, a.measured, a.group) < std::tie(b.shift_mm, b.measured, b.group);
+      if (a.shift_mm != b.shift_mm) return a.shift_mm < b.shift_mm;
+      return a.measured != b.measured ? a.measured < b.measured : a.group < b.group;
     });
     // A tenth of the gate off the summit costs a hundredth of it at most.
     std::vector<Peak> all;
     for (const Term& term : terms) {
       if (!all.empty() && term.shift_mm - all.back().shift_mm < 0.1 * gate_mm) continue;
-      all.push_back({term.shift_mm, explained(term.shift_mm, gate_mm, model, tally)});
+      all.push_back({term.shift_mm, explained(term.shift_mm, gate_mm, model, measured, tally)});
     }
     std::stable_sort(all.begin(), all.end(),
-                     [](const Peak& a, const Peak& b) { return a.explained_mm2 > b.explained_mm2; });
+                     [](const Peak& a, const Peak& b) { return a.explained > b.explained; });
     for (const Peak& peak : all) {
       const bool near = std::any_of(peaks.begin(), peaks.end(), [&](const Peak& other) {
         return std::abs(other.shift_mm - peak.shift_mm) < 0.4 * gate_mm;
@@ -116,26 +125,25 @@ class Line {
 class BranchAndBound {
  public:
   BranchAndBound(const PlaneSet& model, const PlaneSet& measured, const Mat3& R, const SearchGates& gates,
-                 double at_least_mm2, double keep)
+                 double at_least, double keep)
       : model_(model),
         measured_(measured),
         R_(R),
         gates_(gates),
-        bound_mm2_(at_least_mm2),
+        bound_(at_least),
         keep_(keep),
         tally_(measured.planes.size(), model.group_area_mm2.size()) {
     collect_lines();
-    rest_mm2_.assign(lines_.size() + 1, 0.0);
-    for (size_t k = lines_.size(); k-- > 0;)
-      rest_mm2_[k] = rest_mm2_[k + 1] + lines_[k].peaks.front().explained_mm2;
+    rest_.assign(lines_.size() + 1, 0.0);
+    for (size_t k = lines_.size(); k-- > 0;) rest_[k] = rest_[k + 1] + lines_[k].peaks.front().explained;
   }
 
   std::vector<PoseCandidate> run() {
     Fixed none;
     descend(0, 0, none);
-    std::erase_if(found_, [&](const PoseCandidate& pose) { return pose.explained_mm2 < bound_mm2_; });
+    std::erase_if(found_, [&](const PoseCandidate& pose) { return pose.explained < bound_; });
     std::stable_sort(found_.begin(), found_.end(),
-                     [](const auto& a, const auto& b) { return a.explained_mm2 > b.explained_mm2; });
+                     [](const auto& a, const auto& b) { return a.explained > b.explained; });
     return std::move(found_);
   }
 
@@ -148,24 +156,41 @@ class BranchAndBound {
 
   void collect_lines() {
     const double least_cosine = std::cos(gates_.angle_rad);
-    for (size_t i = 0; i < model_.planes.size(); ++i) {
-      const MatchPlane& face = model_.planes[i];
-      for (size_t j = 0; j < measured_.planes.size(); ++j) {
-        const MatchPlane& seen = measured_.planes[j];
-        const Vec3 turned = R_ * seen.normal;
-        const double cosine =
-            gates_.is_unsigned ? std::abs(turned.dot(face.normal)) : turned.dot(face.normal);
-        if (cosine < least_cosine || !gates_.allowed(i, j)) continue;
-        const double share = std::acos(std::min(1.0, cosine)) / gates_.angle_rad;
+    // The mean of a direction is no farther from its faces' normals than twice the angle they share.
+    const double least_near = std::cos(gates_.angle_rad + 2 * model_.direction_rad);
+    std::vector<Vec3> turned, points;
+    for (const MatchPlane& seen : measured_.planes) {
+      turned.push_back(R_ * seen.normal);
+      points.push_back(R_ * seen.point_mm);
+    }
+    const auto cosine_to = [&](const Vec3& normal, size_t j) {
+      const double cosine = turned[j].dot(normal);
+      return gates_.is_unsigned ? std::abs(cosine) : cosine;
+    };
+    for (size_t k = 0; k < model_.directions.size(); ++k) {
+      std::vector<size_t> near;
+      for (size_t j = 0; j < turned.size(); ++j)
+        if (cosine_to(model_.directions[k].normal, j) >= least_near) near.push_back(j);
+      if (near.empty()) continue;
+      for (const size_t i : model_.planes_along[k]) {
+        const MatchPlane& face = model_.planes[i];
         Line& line = line_along(face.normal);
         const double sense = line.u.dot(face.normal) > 0 ? 1 : -1;
-        line.terms.push_back({sense * (face.d_mm - face.normal.dot(R_ * seen.point_mm)),
-                              seen.area_mm2 * (1 - share * share), static_cast<int>(j), face.group});
+        for (const size_t j : near) {
+          const double cosine = cosine_to(face.normal, j);
+          if (cosine < least_cosine || !gates_.allowed(i, j)) continue;
+          const MatchPlane& seen = measured_.planes[j];
+          // The square of a small angle: 2 (1 - cos).
+          const double share2 = 2 * (1 - cosine) / (gates_.angle_rad * gates_.angle_rad);
+          line.terms.push_back({sense * (face.d_mm - face.normal.dot(points[j])),
+                                seen.weight * std::max(0.0, 1 - share2), static_cast<int>(j), face.group});
+        }
       }
     }
-    for (Line& line : lines_) line.find_peaks(gates_.offset_mm, model_, tally_);
+    std::erase_if(lines_, [](const Line& line) { return line.terms.empty(); });
+    for (Line& line : lines_) line.find_peaks(gates_.offset_mm, model_, measured_, tally_);
     std::stable_sort(lines_.begin(), lines_.end(), [](const Line& a, const Line& b) {
-      return a.peaks.front().explained_mm2 > b.peaks.front().explained_mm2;
+      return a.peaks.front().explained > b.peaks.front().explained;
     });
   }
 
@@ -177,7 +202,7 @@ class BranchAndBound {
     return lines_.back();
   }
 
-  void descend(size_t k, double gained_mm2, const Fixed& fixed) {
+  void descend(size_t k, double gained, const Fixed& fixed) {
     if (fixed.rank == 3 || k == lines_.size()) {
       finish(fixed);
       return;
@@ -192,19 +217,19 @@ class BranchAndBound {
     }
     const double rest = across.norm();
     if (rest < 0.05) {  // within 3 degrees of what is fixed: it can only agree or not
-      descend(k + 1, gained_mm2 + line.peaks.front().explained_mm2, fixed);
+      descend(k + 1, gained + line.peaks.front().explained, fixed);
       return;
     }
     for (const Peak& peak : line.peaks) {
-      if (gained_mm2 + peak.explained_mm2 + rest_mm2_[k + 1] < bound_mm2_) break;
+      if (gained + peak.explained + rest_[k + 1] < bound_) break;
       Fixed next = fixed;
       next.axis[static_cast<size_t>(fixed.rank)] = across / rest;
       next.shift[static_cast<size_t>(fixed.rank)] = (peak.shift_mm - along) / rest;
       next.rank = fixed.rank + 1;
-      descend(k + 1, gained_mm2 + peak.explained_mm2, next);
+      descend(k + 1, gained + peak.explained, next);
     }
     // Every face along this line may be an extra one.
-    if (gained_mm2 + rest_mm2_[k + 1] >= bound_mm2_) descend(k + 1, gained_mm2, fixed);
+    if (gained + rest_[k + 1] >= bound_) descend(k + 1, gained, fixed);
   }
 
   void finish(const Fixed& fixed) {
@@ -214,9 +239,9 @@ class BranchAndBound {
       t += fixed.shift[static_cast<size_t>(i)] * fixed.axis[static_cast<size_t>(i)];
     double explained = 0;
     for (const Line& line : lines_)
-      explained += line.explained(line.u.dot(t), gates_.offset_mm, model_, tally_);
-    if (explained < bound_mm2_ || !holds_fixed(model_, measured_, {R_, t}, gates_, true)) return;
-    bound_mm2_ = std::max(bound_mm2_, keep_ * explained);  // the first leaf is a good one, and cuts the rest
+      explained += line.explained(line.u.dot(t), gates_.offset_mm, model_, measured_, tally_);
+    if (explained < bound_ || !holds_fixed(model_, measured_, {R_, t}, gates_, true)) return;
+    bound_ = std::max(bound_, keep_ * explained);  // the first leaf is a good one, and cuts the rest
     add({{R_, t}, explained});
   }
 
@@ -237,7 +262,7 @@ class BranchAndBound {
           for (const size_t k : at->second) {
             PoseCandidate& other = found_[k];
             if ((other.T_model_part.t - pose.T_model_part.t).norm() >= near_mm) continue;
-            if (pose.explained_mm2 > other.explained_mm2) other = pose;
+            if (pose.explained > other.explained) other = pose;
             return;
           }
         }
@@ -257,10 +282,10 @@ class BranchAndBound {
   const PlaneSet& measured_;
   Mat3 R_;
   SearchGates gates_;
-  double bound_mm2_, keep_;
+  double bound_, keep_;
   Tally tally_;
   std::vector<Line> lines_;
-  std::vector<double> rest_mm2_;  // most that lines k.. can explain
+  std::vector<double> rest_;  // most that lines k.. can explain
   std::vector<PoseCandidate> found_;
   std::map<std::array<int64_t, 3>, std::vector<size_t>> cells_;  // indices into found_, where they came first
 };
@@ -268,8 +293,8 @@ class BranchAndBound {
 }  // namespace
 
 std::vector<PoseCandidate> search_translations(const PlaneSet& model, const PlaneSet& measured, const Mat3& R,
-                                               const SearchGates& gates, double at_least_mm2, double keep) {
-  return BranchAndBound(model, measured, R, gates, at_least_mm2, keep).run();
+                                               const SearchGates& gates, double at_least, double keep) {
+  return BranchAndBound(model, measured, R, gates, at_least, keep).run();
 }
 
 }  // namespace tetragauge

@@ -101,6 +101,8 @@ Result<ScanTrial> scan_trial(const Solid& solid, const ScanTrialOptions& options
     const Vec6 other = error_of(found * symmetry.inverse(), solid.centroid_mm);
     if (size(other) < size(e)) e = other;
   }
+  for (const FreeDirection& free : match->undetermined)
+    if (free.kind == FreeDirection::Kind::translation) e.tail<3>() -= free.axis * free.axis.dot(e.tail<3>());
   out.turn_urad = 1e6 * e.head<3>().norm();
   out.shift_um = 1e3 * e.tail<3>().norm();
   out.right = out.turn_urad < std::max(0.1e6 * kDeg, 10 * out.bound_turn_urad) &&

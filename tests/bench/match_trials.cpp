@@ -120,7 +120,8 @@ bool pose_of_three(const std::array<const Face*, 3>& from, const std::array<cons
   }
   if (std::abs(a.determinant()) < 0.05) return false;
   T.R = (a.inverse() * b).transpose();  // b = a R'
-  if (T.R.determinant() < 0 || (T.R * T.R.transpose() - Mat3::Identity()).norm() > 1e-6) return false;
+  if (T.R.determinant() < 0 || (T.R * T.R.transpose() - Mat3::Identity()).norm() > 1e-4) return false;
+  T.R = Eigen::Quaterniond(T.R).normalized().toRotationMatrix();
   T.t = b.inverse() * db - T.R * (a.inverse() * da);
   return true;
 }
@@ -132,9 +133,10 @@ std::vector<RigidTransform> exact_equivalents(const FaceList& model, const std::
   std::vector<RigidTransform> found;
   const auto lands = [&](const Face& face, const RigidTransform& T) {
     return std::any_of(model.faces.begin(), model.faces.end(), [&](const Face& image) {
-      return (T.R * face.normal - image.normal).norm() < 1e-6 &&
-             (T * face.point_mm - image.point_mm).norm() < 1e-4 &&
-             std::abs(face.area_mm2 - image.area_mm2) < 1e-4 * image.area_mm2;
+      // A .csg has six digits.
+      return (T.R * face.normal - image.normal).norm() < 1e-4 &&
+             (T * face.point_mm - image.point_mm).norm() < 2e-3 &&
+             std::abs(face.area_mm2 - image.area_mm2) < 1e-3 * image.area_mm2;
     });
   };
   size_t first[3] = {0, 0, 0};
@@ -369,6 +371,7 @@ Result<Trial> read_trial(const std::filesystem::path& path) {
   Trial trial;
   try {
     trial.name = json->at("name");
+    trial.open = json->value("open", std::string());
     trial.truth = json->at("truth").get<std::vector<int>>();
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < 3; ++c) trial.T_model_part.R(r, c) = json->at("rotation").at(r).at(c);

@@ -26,6 +26,7 @@ struct Trial {
   FaceList model, measured;
   std::vector<int> truth;  // per measured face the model's id; 0: an extra one
   RigidTransform T_model_part;
+  std::string open;  // of a kept case: why it is not right yet
 };
 
 // Extra faces are random planes through the part's box, with areas of the part's own faces.
