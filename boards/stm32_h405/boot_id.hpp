@@ -14,7 +14,7 @@ template <class Bus>
 uint32_t make_boot_id(uint32_t* kept, WaitFaults& faults) {
   using I = Io<Bus>;
   ++*kept;
-  I::modify(rcc::kRngOn(1));
+  rcc::switch_on<Bus>(rcc::kRngOn(1));
   I::write(rng::kOn(1));
   // 40 cycles of 48 MHz a number (24.3); the first is left (24.3.1: each must differ from the one before).
   for (int number = 0; number < 2; ++number) {

@@ -18,6 +18,7 @@ inline constexpr uint32_t kApb1Hz = kCoreHz / kApb1Divider;
 inline constexpr uint32_t kApb2Hz = kCoreHz / kApb2Divider;
 // Timers run at twice their bus where that is divided (7.2).
 inline constexpr uint32_t kApb1TimerHz = 2 * kApb1Hz;  // TIM2 to TIM5
+inline constexpr uint32_t kApb2TimerHz = 2 * kApb2Hz;  // TIM8
 inline constexpr uint32_t kAdcHz = kApb2Hz / 4;
 inline constexpr uint32_t kFlashWaitStates = 5;
 
@@ -47,9 +48,9 @@ static_assert(baud_error_ppm(kBaud) <= 5'000 && baud_error_ppm(kFastBaud) <= 5'0
 // A sample: four pairs, one after the other, and 28 + 12 cycles of the converter's clock each (13.5).
 inline constexpr uint32_t kSampleHz = 100'000;
 inline constexpr uint32_t kPairs = 4, kPairCycles = 28 + 12;
-inline constexpr uint32_t kSampleTicks = kApb1TimerHz / kSampleHz;  // TIM3's
-inline constexpr uint32_t kConversionTicks = kPairs * kPairCycles * (kApb1TimerHz / kAdcHz);
-static_assert(kApb1TimerHz % kSampleHz == 0 && kApb1TimerHz % kAdcHz == 0);
+inline constexpr uint32_t kSampleTicks = kApb2TimerHz / kSampleHz;  // TIM8's
+inline constexpr uint32_t kConversionTicks = kPairs * kPairCycles * (kApb2TimerHz / kAdcHz);
+static_assert(kApb2TimerHz % kSampleHz == 0 && kApb2TimerHz % kAdcHz == 0 && kSampleTicks <= 0x10000);
 static_assert(kConversionTicks < kSampleTicks, "a sample ends before the next begins");
 
 // Watchdog: the low-speed oscillator runs at 17 to 47 kHz, 32 nominally (DS8626 table 33). At its fastest the

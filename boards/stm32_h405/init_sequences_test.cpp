@@ -157,27 +157,26 @@ TEST_F(InitSequence, SamplerAndABurst) {
       "ADC2_SMPR1 = 00000000",
       "ADC2_SQR3 = 0004A0E6",  // 6, 7, 8, 9
       "ADC2_SQR1 = 00300000",   "ADC2_CR2 = 00000001",
-      "ADC1_CR2 = 18000001",  // rising edge of TIM3_TRGO
-      "TIM3_PSC = 00000000",
-      "TIM3_ARR = 00000347",  // 84 MHz / 840 = 100 kHz
-      "TIM3_CR2 = 00000020",  // MMS: update
+      "ADC1_CR2 = 1E000001",  // rising edge of TIM8_TRGO
+      "TIM8_PSC = 00000000",
+      "TIM8_ARR = 0000068F",    // 168 MHz / 1,680 = 100 kHz
+      "TIM8_CCR1 = 00000190",   // 2.38 us; the four pairs take 7.62
+      "TIM8_CCMR1 = 00000070",  // OC1M: PWM mode 2
+      "TIM8_CR2 = 00000040",    // MMS: OC1REF
   });
   PsdSample samples[64];
   sampler.start(samples, 64, faults);
   expect_writes(Golden{
-      "TIM3_CR1 = 00000000",
-      "ADC_CCR = 00010006",
-      "DMA2_S0CR = 00000000",
-      "ADC1_SR = 00000000",
-      "ADC2_SR = 00000000",
+      "TIM8_CR1 = 00000008",  // OPM, CEN off
+      "ADC_CCR = 00010006", "DMA2_S0CR = 00000000", "ADC1_SR = 00000000", "ADC2_SR = 00000000",
       "DMA2_LIFCR = 0000003D",
       "DMA2_S0PAR = 40012308",  // ADC_CDR
-      "DMA2_S0M0AR = 20000000",
-      "DMA2_S0NDTR = 00000100",
+      "DMA2_S0M0AR = 20000000", "DMA2_S0NDTR = 00000100",
       "DMA2_S0CR = 00035411",  // very high, words, MINC, TCIE, EN
       "ADC_CCR = 00018006",    // DMA mode 2
-      "TIM3_CNT = 00000280",   // 7.62 us of the first 10 are over
-      "TIM3_CR1 = 00000001",
+      "TIM8_RCR = 0000003F",   // 64 triggers and no more
+      "TIM8_EGR = 00000001",   // UG
+      "TIM8_CR1 = 00000009",   // OPM, CEN
   });
 }
 

@@ -135,7 +135,7 @@ TEST_F(Peripherals, ABurstIsDoneOnceAndOnlyWhenItsStreamSaysSo) {
   Bus::cells[0x40026400] = 0x20;  // TCIF0
   EXPECT_TRUE(sampler.on_dma_interrupt(faults));
   EXPECT_FALSE(sampler.on_dma_interrupt(faults));
-  EXPECT_EQ(Bus::cells[0x40000400] & 1, 0u) << "no more triggers";
+  EXPECT_EQ(Bus::cells[0x40010400] & 1, 0u) << "no more triggers";
   EXPECT_FALSE(faults.any());
 }
 

@@ -22,9 +22,9 @@ class RecordedBus {
       std::map<uint32_t, const char*> registers;
     };
     static const std::map<uint32_t, const char*> timer = {
-        {0x00, "CR1"},   {0x04, "CR2"},   {0x0C, "DIER"}, {0x10, "SR"},  {0x14, "EGR"},
-        {0x18, "CCMR1"}, {0x1C, "CCMR2"}, {0x20, "CCER"}, {0x24, "CNT"}, {0x28, "PSC"},
-        {0x2C, "ARR"},   {0x34, "CCR1"},  {0x3C, "CCR3"}, {0x40, "CCR4"}};
+        {0x00, "CR1"},   {0x04, "CR2"},   {0x0C, "DIER"}, {0x10, "SR"},   {0x14, "EGR"},
+        {0x18, "CCMR1"}, {0x1C, "CCMR2"}, {0x20, "CCER"}, {0x24, "CNT"},  {0x28, "PSC"},
+        {0x2C, "ARR"},   {0x30, "RCR"},   {0x34, "CCR1"}, {0x3C, "CCR3"}, {0x40, "CCR4"}};
     static const std::map<uint32_t, const char*> port = {{0x00, "MODER"}, {0x08, "OSPEEDR"}, {0x0C, "PUPDR"},
                                                          {0x18, "BSRR"},  {0x20, "AFRL"},    {0x24, "AFRH"}};
     static const std::map<uint32_t, const char*> converter = {
@@ -32,9 +32,9 @@ class RecordedBus {
         {0x10, "SMPR2"}, {0x2C, "SQR1"}, {0x30, "SQR2"}, {0x34, "SQR3"}};
     static const Peripheral kChip[] = {
         {0x40000000, "TIM2", timer},
-        {0x40000400, "TIM3", timer},
         {0x40000800, "TIM4", timer},
         {0x40000C00, "TIM5", timer},
+        {0x40010400, "TIM8", timer},
         {0x40003000, "IWDG", {{0x0, "KR"}, {0x4, "PR"}, {0x8, "RLR"}, {0xC, "SR"}}},
         {0x40003800, "SPI2", {{0x0, "CR1"}, {0x8, "SR"}, {0xC, "DR"}}},
         {0x40007000, "PWR", {{0x0, "CR"}}},

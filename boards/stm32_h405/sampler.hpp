@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Both cameras at once: TIM3 starts a sample every 10 us, ADC1 and ADC2 convert one electrode of camera 1 and
+// Both cameras at once: TIM8 starts a sample every 10 us, ADC1 and ADC2 convert one electrode of camera 1 and
 // the same one of camera 2 together, four times, and DMA puts each pair into the buffer as one word.
 // RM0090 13.9.2, mode 2 of 13.8.1.
+//
+// TIM8 makes as many triggers as the burst has samples and stops itself (17.3.10, with its repetition
+// counter): however late an interrupt is, no sequence is under way when the next burst begins, so that its
+// first word is the first electrode.
 #pragma once
 
 #include "boards/cortex_m4/chip_bus.hpp"
@@ -45,10 +49,13 @@ class Sampler {
     I::write(adc::kMulti(adc::kRegularSimultaneous) | adc::kPrescaler(adc::kBy4));
     begin<adc::Adc1>(10);
     begin<adc::Adc2>(6);
-    I::modify(adc::Adc1::kTrigger(adc::kTim3TriggerOut) | adc::Adc1::kTriggerEdge(1));
-    I::write(Tim3::Psc{}, 0);
-    I::write(Tim3::Arr{}, clock_tree::kSampleTicks - 1);
-    I::write(Tim3::kTriggerOut(2));
+    I::modify(adc::Adc1::kTrigger(adc::kTim8TriggerOut) | adc::Adc1::kTriggerEdge(1));
+    I::write(Tim8::Psc{}, 0);
+    I::write(Tim8::Arr{}, clock_tree::kSampleTicks - 1);
+    // So late in each period that the sample is there at its end.
+    I::write(Trigger::Ccr{}, clock_tree::kSampleTicks - clock_tree::kConversionTicks);
+    I::write(Trigger::kCompareMode(kHighFromMatch));
+    I::write(Tim8::kTriggerOut(4));
   }
 
   void start(PsdSample* samples, uint32_t count, WaitFaults& faults) {
@@ -63,9 +70,9 @@ class Sampler {
     I::write(Into::kPriority(3) | Into::kMemorySize(2) | Into::kPeripheralSize(2) |
              Into::kMemoryIncrement(1) | Into::kDoneInterrupt(1) | Into::kOn(1));  // channel 0
     I::modify(adc::kDmaMode(2));
-    // The first trigger early by the time a sample takes, so that it is there one period after this call.
-    I::write(Tim3::Cnt{}, clock_tree::kConversionTicks);
-    I::write(Tim3::kOn(1));
+    I::write(Tim8::Rcr{}, count - 1);
+    I::write(Tim8::kUpdateNow(1));  // from 0, with that count
+    I::write(Tim8::kOnePulse(1) | Tim8::kOn(1));
   }
 
   // The stream's. True when the burst is in the buffer.
@@ -82,6 +89,7 @@ class Sampler {
 
  private:
   using I = Io<Bus>;
+  using Trigger = Tim8::Channel<1>;
   using Into = dma2::Stream<0>;  // channel 0: ADC1, and both in simultaneous mode
 
   template <class A>
@@ -103,7 +111,7 @@ class Sampler {
 
   // No further triggers, requests or transfers, and no overrun left behind (13.8.1).
   void stop(WaitFaults& faults) {
-    I::write(Tim3::kOn(0));
+    I::write(Tim8::kOnePulse(1) | Tim8::kOn(0));
     I::modify(adc::kDmaMode(0));
     I::modify(Into::kOn(0));
     // 10.3.17: the stream ends its transfer first, a few cycles.

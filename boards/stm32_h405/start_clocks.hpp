@@ -19,7 +19,7 @@ template <class Bus>
 void start_clocks(WaitFaults& faults) {
   using namespace clock_tree;
   using I = Io<Bus>;
-  I::modify(rcc::kPwrOn(1));
+  rcc::switch_on<Bus>(rcc::kPwrOn(1));
   I::modify(pwr::kVoltageScale1(1));
   I::modify(rcc::kHseOn(1));
   const bool crystal = faults.wait_for<Bus>(rcc::kHseReady(1), kCrystalTurns, WaitFault::kCrystal);

@@ -48,12 +48,12 @@ class Stm32Board {
   explicit Stm32Board(const StartInfo& start) : start_(start), storage_(faults_) {}
 
   void begin() {
-    using I = Io<Bus>;
     start_clocks<Bus>(faults_);
-    I::modify(rcc::kGpioAOn(1) | rcc::kGpioBOn(1) | rcc::kGpioCOn(1) | rcc::kDma2On(1));
-    I::modify(rcc::kTim2On(1) | rcc::kTim3On(1) | rcc::kTim4On(1) | rcc::kTim5On(1) | rcc::kSpi2On(1) |
-              rcc::kDacOn(1));
-    I::modify(rcc::kUsart1On(1) | rcc::kAdc1On(1) | rcc::kAdc2On(1) | rcc::kSyscfgOn(1));
+    rcc::switch_on<Bus>(rcc::kGpioAOn(1) | rcc::kGpioBOn(1) | rcc::kGpioCOn(1) | rcc::kDma2On(1));
+    rcc::switch_on<Bus>(rcc::kTim2On(1) | rcc::kTim4On(1) | rcc::kTim5On(1) | rcc::kSpi2On(1) |
+                        rcc::kDacOn(1));
+    rcc::switch_on<Bus>(rcc::kTim8On(1) | rcc::kUsart1On(1) | rcc::kAdc1On(1) | rcc::kAdc2On(1) |
+                        rcc::kSyscfgOn(1));
     laser_.begin();
     reset_cause_ = take_reset_cause<Bus>();
     boot_id_ = make_boot_id<Bus>(start_.kept, faults_);

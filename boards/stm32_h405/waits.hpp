@@ -43,6 +43,7 @@ class WaitFaults {
   void add(WaitFault fault) { bits_ |= 1u << static_cast<uint32_t>(fault); }
   bool has(WaitFault fault) const { return (bits_ >> static_cast<uint32_t>(fault)) & 1; }
   bool any() const { return bits_ != 0; }
+  uint32_t bits() const { return bits_; }
   // With one of these, times and voltages are not what they should be.
   bool measuring_is_off() const {
     return has(WaitFault::kCrystal) || has(WaitFault::kPll) || has(WaitFault::kFlashLatency) ||

@@ -32,7 +32,7 @@ namespace tetragauge {
 // One simultaneous sample of both cameras: signed converter codes, left-aligned to 16 bits (a 12-bit
 // converter shifts by 4), one electrode current each. Duolateral detector: each pair carries the whole
 // photocurrent; x = half_size (x2 - x1) / (x2 + x1), y alike.
-struct PsdSample {
+struct alignas(4) PsdSample {  // a chip's DMA writes words
   struct Camera {
     int16_t x1, x2, y1, y2;
   };

@@ -48,14 +48,17 @@ namespace tetragauge {
 // at 1FFF0000 begins with its stack and its start. From here the chip is as after a reset, which is what it
 // needs.
 void before_memory_is_ready() {
-  if (reset_wish != kIntoBootloader) return;
-  reset_wish = 0;
   using I = Io<ChipBus>;
-  I::modify(rcc::kSyscfgOn(1));
-  I::modify(syscfg::kMemMode(syscfg::kSystemFlashAtZero));
-  ChipBus::barrier();
-  const uint32_t stack = ChipBus::read(0x1FFF'0000), start = ChipBus::read(0x1FFF'0004);
-  __asm__ volatile("msr msp, %0\n bx %1" ::"r"(stack), "r"(start));
+  if (reset_wish == kIntoBootloader) {
+    reset_wish = 0;
+    rcc::switch_on<ChipBus>(rcc::kSyscfgOn(1));
+    I::modify(syscfg::kMemMode(syscfg::kSystemFlashAtZero));
+    ChipBus::barrier();
+    const uint32_t stack = ChipBus::read(0x1FFF'0000), start = ChipBus::read(0x1FFF'0004);
+    __asm__ volatile("msr msp, %0\n bx %1" ::"r"(stack), "r"(start));
+  }
+  // A bootloader that jumps here leaves its clocks, interrupts and memory map behind. A reset does not.
+  if (!I::is(rcc::kSwitched(0))) reset_chip();
 }
 
 void stop_outputs() {
@@ -86,13 +89,13 @@ const char* name_of_crash(const Crash& crash) {
   }
 }
 
-void say_what_failed() {
-  Crash crash;
-  if (take_crash(&crash)) firmware->log(tg_LogLevel_LOG_ERROR, name_of_crash(crash));
-  for (uint32_t k = 0; k < kWaitFaults; ++k) {
-    const auto fault = static_cast<WaitFault>(k);
-    if (board->faults().has(fault)) firmware->log(tg_LogLevel_LOG_ERROR, name_of(fault));
+// The waits that have failed since `said`, at the start or later.
+void say_what_failed(uint32_t* said) {
+  const uint32_t failed = board->faults().bits();
+  for (uint32_t k = 0; k < kWaitFaults && failed != *said; ++k) {
+    if ((failed & ~*said) >> k & 1) firmware->log(tg_LogLevel_LOG_ERROR, name_of(static_cast<WaitFault>(k)));
   }
+  *said = failed;
 }
 
 }  // namespace
@@ -105,9 +108,12 @@ void run_board() {
   new (InPlace{firmware.bytes}) Firmware(*board);
   ChipBus::open_gate(gate);
   firmware->begin();
-  say_what_failed();
+  Crash crash;
+  if (take_crash(&crash)) firmware->log(tg_LogLevel_LOG_ERROR, name_of_crash(crash));
+  uint32_t said = 0;
   for (;;) {
     woken = false;
+    say_what_failed(&said);
     firmware->poll();
     const uint32_t closed = ChipBus::close_gate();
     // An interrupt that came meanwhile ends the sleep at once; the next tick does in any case.

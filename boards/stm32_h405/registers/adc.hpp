@@ -24,7 +24,7 @@ struct Converter {
 using Adc1 = Converter<0x40012000>;
 using Adc2 = Converter<0x40012100>;
 
-inline constexpr uint32_t kTim3TriggerOut = 8;  // 13.6, table 69
+inline constexpr uint32_t kTim8TriggerOut = 14;  // 13.6, table 69
 
 using Ccr = Register<0x40012304>;  // 13.13.16
 inline constexpr Field<Ccr, 0, 5> kMulti;

@@ -38,7 +38,6 @@ inline constexpr Field<Ahb2Enr, 6> kRngOn;
 
 using Apb1Enr = Register<0x40023840>;  // 7.3.13
 inline constexpr Field<Apb1Enr, 0> kTim2On;
-inline constexpr Field<Apb1Enr, 1> kTim3On;
 inline constexpr Field<Apb1Enr, 2> kTim4On;
 inline constexpr Field<Apb1Enr, 3> kTim5On;
 inline constexpr Field<Apb1Enr, 14> kSpi2On;
@@ -46,6 +45,7 @@ inline constexpr Field<Apb1Enr, 28> kPwrOn;
 inline constexpr Field<Apb1Enr, 29> kDacOn;
 
 using Apb2Enr = Register<0x40023844>;  // 7.3.14
+inline constexpr Field<Apb2Enr, 1> kTim8On;
 inline constexpr Field<Apb2Enr, 4> kUsart1On;
 inline constexpr Field<Apb2Enr, 8> kAdc1On;
 inline constexpr Field<Apb2Enr, 9> kAdc2On;
@@ -59,6 +59,14 @@ inline constexpr Field<Csr, 27> kPowerReset;
 inline constexpr Field<Csr, 28> kSoftwareReset;
 inline constexpr Field<Csr, 29> kIwdgReset;
 inline constexpr Field<Csr, 30> kWwdgReset;
+
+// Clocks of peripherals. Read back: a peripheral takes no access in the cycles right after (ES0182 2.2.7,
+// "Delay after an RCC peripheral clock enabling").
+template <class Bus, class R>
+void switch_on(Bits<R> bits) {
+  Io<Bus>::modify(bits);
+  Io<Bus>::read(R{});
+}
 
 }  // namespace tetragauge::rcc
 

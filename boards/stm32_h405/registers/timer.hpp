@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// TIM2 to TIM5. RM0090 section 18.4. TIM2 and TIM5 count 32 bits, TIM3 and TIM4 16.
+// TIM2 to TIM5, RM0090 section 18.4, and what TIM8 (17.4) shares with them. TIM2 and TIM5 count 32 bits, the
+// others 16.
 #pragma once
 
 #include "boards/cortex_m4/register.hpp"
@@ -13,9 +14,10 @@ struct Timer {
   using Cr1 = Register<kBase + 0x00>;  // 18.4.1
   static constexpr Field<Cr1, 0> kOn{};
   static constexpr Field<Cr1, 2> kUpdateByOverflowOnly{};
+  static constexpr Field<Cr1, 3> kOnePulse{};               // stops itself at an update
   static constexpr Field<Cr1, 8, 2> kFilterClockDivider{};  // 2: a quarter of the timer's clock
   using Cr2 = Register<kBase + 0x04>;                       // 18.4.2
-  static constexpr Field<Cr2, 4, 3> kTriggerOut{};          // 2: at an update
+  static constexpr Field<Cr2, 4, 3> kTriggerOut{};          // 4: with channel 1's output
   using Dier = Register<kBase + 0x0C>;                      // 18.4.4
   static constexpr Field<Dier, 0> kUpdateInterrupt{};
   using Sr = Register<kBase + 0x10>;  // 18.4.5; cleared by writing 0
@@ -28,6 +30,7 @@ struct Timer {
   using Cnt = Register<kBase + 0x24>;
   using Psc = Register<kBase + 0x28>;
   using Arr = Register<kBase + 0x2C>;
+  using Rcr = Register<kBase + 0x30>;  // 17.4.12, TIM8 alone: overflows to an update - 1
 
   // Channel 1 to 4.
   template <uint32_t kChannel>
@@ -54,12 +57,13 @@ enum CompareMode : uint32_t {
   kActiveOnMatch = 1,
   kInactive = 4,
   kActive = 5,
+  kHighFromMatch = 7,  // PWM mode 2
 };
 
 // 2.3, memory map; 12.2, table 62
 using Tim2 = Timer<0x40000000, 28>;
-using Tim3 = Timer<0x40000400, 29>;
 using Tim4 = Timer<0x40000800, 30>;
 using Tim5 = Timer<0x40000C00, 50>;
+using Tim8 = Timer<0x40010400, 44>;  // its update's
 
 }  // namespace tetragauge
