@@ -189,17 +189,21 @@ TEST(MatchFaceLists, SymmetricPartsGiveEveryEquivalentPose) {
   }
 }
 
-TEST(MatchFaceLists, PrismOf35SidesHas70Poses) {
-  const FaceList model = polygon_prism(35, 119.6, 100);
+class RegularPrism : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Sides, RegularPrism, testing::Values(6, 35));
+
+TEST_P(RegularPrism, HasTwicePosesAsManyAsSides) {
+  const int sides = GetParam();
+  const FaceList model = polygon_prism(sides, 119.6, 100);
   std::mt19937_64 random(4);
   const Trial t = trial(model, 0, 0, 0.02 * kDeg, 0.01, false, random);
   const Result<Match> match = match_face_lists(model, t.measured);
   ASSERT_TRUE(match.ok());
-  EXPECT_EQ(match->pairs.size(), 37u);
-  EXPECT_EQ(match->equivalents.size(), 69u);
+  EXPECT_EQ(match->pairs.size(), static_cast<size_t>(sides) + 2);
+  EXPECT_EQ(match->equivalents.size() + 1, 2 * static_cast<size_t>(sides));
   for (int flip = 0; flip < 2; ++flip) {
-    for (int k = 0; k < 35; ++k) {
-      RigidTransform S{rotation_from_degrees(0, -360.0 / 35 * k, 0), Vec3::Zero()};
+    for (int k = 0; k < sides; ++k) {
+      RigidTransform S{rotation_from_degrees(0, -360.0 / sides * k, 0), Vec3::Zero()};
       if (flip) S = S * RigidTransform{rotation_from_degrees(180, 0, 0), Vec3(0, 100, 0)};
       EXPECT_TRUE(any_holds(*match, S * t.T_model_part, part_centre(model), 0.2 * kDeg, 0.2)) << k << flip;
     }

@@ -73,8 +73,9 @@ class Fit {
     // out: squares would spread a feature out of place over all faces, and then none of them stands out.
     for (int i = 0; i < 12; ++i) {
       for (size_t k = 0; k < seen_.size(); ++k) weight_[k] = 1 / std::sqrt(1 + 100 * cost(k));
-      step();
+      const double moved_mm = step();
       estimate_scatter(true);
+      if (moved_mm < 0.01 * result_.scatter_mm) break;
     }
     for (int round = 0; round < 3; ++round) {
       graduate();
@@ -123,11 +124,20 @@ class Fit {
            unit.asDiagonal();
   }
 
-  void step() {
+  // The length of the step, as the arc it makes on the part.
+  double step() {
     Vec6 right = Vec6::Zero();
     const Mat6 normal = normal_equations(&right);
-    result_.T_model_part =
-        moved(result_.T_model_part, pseudo_inverse(normal, 0.3 * size_mm_) * right, pivot_);
+    const double arm_mm = 0.3 * size_mm_;
+    Vec6 unit;
+    unit << Vec3::Constant(1 / arm_mm), Vec3::Ones();
+    // Cholesky where all six are determined (in units in which they are comparable), for it is much faster.
+    const Eigen::LLT<Mat6> cholesky(unit.asDiagonal() * normal * unit.asDiagonal());
+    const bool determined = cholesky.info() == Eigen::Success && cholesky.rcond() > 1e-8;
+    const Vec6 move = determined ? Vec6(unit.asDiagonal() * cholesky.solve(unit.asDiagonal() * right))
+                                 : Vec6(pseudo_inverse(normal, arm_mm) * right);
+    result_.T_model_part = moved(result_.T_model_part, move, pivot_);
+    return arm_mm * move.head<3>().norm() + move.tail<3>().norm();
   }
 
   struct Deviation {

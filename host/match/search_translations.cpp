@@ -105,10 +105,10 @@ class Line {
       if (a.shift_mm != b.shift_mm) return a.shift_mm < b.shift_mm;
       return a.measured != b.measured ? a.measured < b.measured : a.group < b.group;
     });
-    // A tenth of the gate off the summit costs a hundredth of it at most.
+    // A seventh of the gate off the summit costs a fiftieth of it at most.
     std::vector<Peak> all;
     for (const Term& term : terms) {
-      if (!all.empty() && term.shift_mm - all.back().shift_mm < 0.1 * gate_mm) continue;
+      if (!all.empty() && term.shift_mm - all.back().shift_mm < 0.14 * gate_mm) continue;
       all.push_back({term.shift_mm, explained(term.shift_mm, gate_mm, model, measured, tally)});
     }
     std::stable_sort(all.begin(), all.end(),
