@@ -52,11 +52,11 @@ MatrixXd solve(const MatrixXd& normal, const MatrixXd& right) {
   return normal.completeOrthogonalDecomposition().solve(right);
 }
 
-int rotations_in(const MatrixXd& basis) {
+// Of a basis of motions, how many turns it holds.
+int rotations_in(const MatrixXd& basis, double arm_mm) {
   if (basis.cols() == 0) return 0;
-  Eigen::JacobiSVD<MatrixXd> svd(basis.topRows(3));
-  svd.setThreshold(kNoHold);
-  return static_cast<int>(svd.rank());
+  const Eigen::VectorXd turns = Eigen::JacobiSVD<MatrixXd>(arm_mm * basis.topRows(3)).singularValues();
+  return static_cast<int>((turns.array() > kNoHold).count());
 }
 
 // The motion x that the datums ask for, as a linear function of what is seen of them.
@@ -88,7 +88,7 @@ Motion motion_to(const std::vector<Seen>& seen, const std::vector<Mat3>& covaria
     out.x = rest * out.x - step * seen[k].residual;
 
     const MatrixXd still_free = free * svd.matrixV().rightCols(free.cols() - rank);
-    const int rotations = rotations_in(free) - rotations_in(still_free);
+    const int rotations = rotations_in(free, arm_mm) - rotations_in(still_free, arm_mm);
     out.held.push_back({"", 0, rotations, static_cast<int>(rank) - rotations});
     free = still_free;
   }
@@ -164,6 +164,8 @@ void hold_by_datums(const Solid& model, const std::vector<Datum>& datums,
     std::vector<double> here(set_ups.size(), 0.0);
     here[s] = 1;
     set_ups[s].match.covariance = pose.error(here, 0).covariance;
+    for (MisplacedFeature& feature : set_ups[s].match.misplaced)
+      feature.T_model_part = moved * feature.T_model_part;
     place_pairs(model, set_ups[s]);
   }
 }

@@ -6,6 +6,7 @@
 #include "host/inspect/find_material_faults.hpp"
 #include "host/inspect/hold_by_datums.hpp"
 #include "host/inspect/judge_faces.hpp"
+#include "host/inspect/judge_misplaced.hpp"
 #include "host/inspect/measure_faces.hpp"
 #include "host/inspect/relate_faces.hpp"
 
@@ -68,6 +69,7 @@ Result<InspectionRun> inspect(std::span<const Scan> scans, const Solid& model, c
   out.extra_faces = extra_faces(joined, model, run.set_ups, tolerances);
   judge_faces(model, outlines, tolerances, out);
   judge_distances(model, tolerances, out.faces, out.rule);
+  judge_misplaced(model, outlines, run.set_ups, tolerances, out);
   find_material_faults(model, joined, outlines, tolerances, out);
   out.verdict = judge_part(out, model, tolerances);
   out.point_deviation_mm = std::move(part.point_deviation_mm);

@@ -1,109 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The whole host pipeline on simulated scans of parts whose defects are known from their drawings.
-#include "host/inspect/inspect.hpp"
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <filesystem>
-#include <fstream>
+#include <algorithm>
 #include <numbers>
 #include <random>
 
-#include "host/simulate/simulate.hpp"
+#include "host/inspect/test_scans.hpp"
 
 namespace tetragauge {
 namespace {
 
-using Outline = std::vector<std::array<double, 2>>;
-
-// The thesis's staircase, mm: a polygon in (x, z), swept over y = 0..60.
-const Outline kStaircase{{0, 0},   {80, 0},  {80, 20}, {60, 20}, {60, 40}, {40, 40}, {40, 50},
-                         {20, 50}, {20, 60}, {0, 60},  {0, 40},  {30, 10}, {0, 10}};
-
-std::string swept(const Outline& xz, double from, double to) {
-  std::string points;
-  for (const auto& [x, z] : xz)
-    points += (points.empty() ? "[" : ", [") + std::to_string(x) + ", " + std::to_string(z) + "]";
-  // The sweep runs along z; its axes are turned so that it runs along y.
-  return "multmatrix([[1, 0, 0, 0], [0, 0, -1, " + std::to_string(to) +
-         "], [0, 1, 0, 0], [0, 0, 0, 1]]) { linear_extrude(height = " + std::to_string(to - from) +
-         ", scale = [1, 1]) { polygon(points = [" + points + "], paths = undef); } }\n";
-}
-
-Solid solid(const std::string& csg) {
-  const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) /
-                                     (std::string("tetragauge_inspect_") + info->name() + ".csg");
-  std::ofstream(path, std::ios::binary) << csg;
-  Result<Solid> read = read_solid(path);
-  std::filesystem::remove(path);
-  if (!read) {
-    ADD_FAILURE() << read.error().message;
-    return {};
-  }
-  return std::move(read).value();
-}
-
-Solid staircase() {
-  return solid(swept(kStaircase, 0, 60));
-}
-
-struct View {
-  size_t points = 8000;
-  double sigma_mm = 0.02;
-  uint64_t seed = 1;
-  RigidTransform T_scan_model{rotation_from_degrees(20, 30, 40), Vec3(5, 6, 7)};
-};
-
-Scan scan_of(const Solid& part, const View& view = {}) {
-  SimulateOptions options;
-  options.points = view.points;
-  options.sigma_mm = view.sigma_mm;
-  options.seed = view.seed;
-  options.T_scan_model = view.T_scan_model;
-  Result<Scan> scan = simulate(part, RayCaster(part), options);
-  if (!scan) {
-    ADD_FAILURE() << scan.error().message;
-    return {};
-  }
-  return std::move(scan).value();
-}
-
-Tolerances profile(double mm) {
-  Tolerances tolerances;
-  tolerances.given = true;
-  tolerances.by_default.profile_mm = mm;
-  return tolerances;
-}
-
-InspectionRun run_inspect(const Scan& scan, const Solid& model, const Tolerances& tolerances) {
-  Result<InspectionRun> run = inspect(scan, model, tolerances);
-  if (!run) {
-    ADD_FAILURE() << run.error().message;
-    return {};
-  }
-  return std::move(run).value();
-}
-
-// The model's face with this normal at this offset (and centroid height, where two patches share the plane).
-int face_at(const Solid& model, const Vec3& normal, double d_mm) {
-  for (const Face& face : model.faces())
-    if (face.type == SurfaceType::plane && (face.normal - normal).norm() < 1e-9 &&
-        std::abs(face.d_mm - d_mm) < 1e-6)
-      return face.id;
-  ADD_FAILURE() << "no face at " << normal.transpose() << " " << d_mm;
-  return 1;
-}
-
-// U is at k = 2: one draw in 20 lies outside it, one in 400 outside three standard uncertainties.
-double three_sigma(double U) {
-  return 1.5 * U;
-}
-
-const FaceInspection& result(const InspectionRun& run, int id) {
-  return run.inspection.faces[static_cast<size_t>(id) - 1];
-}
+using namespace test;
 
 bool has_surplus(const InspectionRun& run) {
   const auto& faces = run.inspection.extra_faces;
@@ -290,21 +196,14 @@ TEST(Inspect, APocketAHoleOrADomeThatTheModelDoesNotHaveFails) {
 TEST(Inspect, AFaceNobodySawIsNeverAPass) {
   const Solid model = staircase();
   const int bottom = face_at(model, -Vec3::UnitZ(), 0), left = face_at(model, -Vec3::UnitX(), 0);
-  Scan scan = scan_of(model);
+  const Scan scan = scan_of(model);
   const RigidTransform T_model_scan = View{}.T_scan_model.inverse();
-  Scan part;
-  part.header = scan.header;
-  for (size_t i = 0; i < scan.size(); ++i) {
+  const Scan part = points_of(scan, [&](size_t i) {
     const Vec3 p = T_model_scan * scan.points[i];
-    if (p.z() < 0.5) continue;                              // nothing of the bottom
-    if (p.x() < 0.5 && p.z() > 40 && p.y() > 20) continue;  // a third of the upper patch of x = 0
-    part.points.push_back(scan.points[i]);
-    part.ray_origins.push_back(scan.ray_origins[i]);
-    part.sigma_mm.push_back(scan.sigma_mm[i]);
-    part.intensity.push_back(scan.intensity[i]);
-    part.view.push_back(scan.view[i]);
-    part.flags.push_back(scan.flags[i]);
-  }
+    const bool on_bottom = p.z() < 0.5;
+    const bool on_two_thirds_of_the_upper_left = p.x() < 0.5 && p.z() > 40 && p.y() > 20;
+    return !on_bottom && !on_two_thirds_of_the_upper_left;
+  });
   const InspectionRun run = run_inspect(part, model, profile(0.2));
   EXPECT_EQ(run.inspection.verdict, Verdict::not_measured);
   EXPECT_EQ(result(run, bottom).verdict, Verdict::not_measured);
@@ -360,10 +259,50 @@ TEST(Inspect, ABoreIsComparedPointByPoint) {
     ++bores;
     EXPECT_TRUE(face.measured);
     EXPECT_NEAR(face.offset_mm, -0.2, three_sigma(face.U_offset_mm));  // material is missing
+    EXPECT_NEAR(face.point_mean_mm, -0.2, 0.01);
+    ASSERT_TRUE(face.radius_mm.has_value());
+    EXPECT_NEAR(*face.radius_mm, 0.2, three_sigma(face.U_radius_mm));
+    EXPECT_LT(face.U_radius_mm, 0.02);
+    EXPECT_NEAR(face.position_mm.value_or(1), 0, three_sigma(face.U_position_mm));
     EXPECT_EQ(face.verdict, Verdict::fail);
   }
   EXPECT_GE(bores, 1);
   EXPECT_EQ(run.inspection.verdict, Verdict::fail);
+}
+
+TEST(Inspect, SetUpsAreJudgedTogether) {
+  // Seen from above in one set-up and from below in the other: neither sees all of the part.
+  const Solid model = staircase();
+  const auto seen_along = [&](const Vec3& from, const RigidTransform& T_scan_model, uint64_t seed) {
+    View view;
+    view.points = 16000;
+    view.seed = seed;
+    view.T_scan_model = T_scan_model;
+    const Scan whole = scan_of(model, view);
+    return points_of(
+        whole, [&](size_t i) { return from.dot(T_scan_model.R.transpose() * -whole.ray_direction(i)) >= 0; });
+  };
+  const std::vector<Scan> scans{
+      seen_along(Vec3::UnitZ(), {rotation_from_degrees(0, 0, 0), Vec3(0, 0, 0)}, 1),
+      seen_along(-Vec3::UnitZ(), {rotation_from_degrees(180, 10, 40), Vec3(30, -20, 60)}, 2)};
+  EXPECT_EQ(run_inspect(scans[0], model, profile(0.1)).inspection.verdict, Verdict::not_measured);
+  EXPECT_EQ(run_inspect(scans[1], model, profile(0.1)).inspection.verdict, Verdict::not_measured);
+  const Result<InspectionRun> together = inspect(scans, model, profile(0.1));
+  ASSERT_TRUE(together.ok()) << together.error().message;
+  EXPECT_EQ(together->inspection.verdict, Verdict::pass);
+  ASSERT_EQ(together->set_ups.size(), 2u);
+  EXPECT_EQ(together->inspection.point_face.size(), scans[0].size() + scans[1].size());
+  for (const FaceInspection& face : together->inspection.faces) {
+    EXPECT_TRUE(face.measured) << face.model_id;
+    EXPECT_LT(std::abs(face.offset_mm), 2 * face.U_offset_mm) << face.model_id;
+  }
+  // A datum seen in one of them holds the faces of both.
+  Tolerances held = profile(0.1);
+  held.datums = {{"A", face_at(model, -Vec3::UnitZ(), 0), -Vec3::UnitZ()}};
+  const Result<InspectionRun> on_datum = inspect(scans, model, held);
+  ASSERT_TRUE(on_datum.ok()) << on_datum.error().message;
+  EXPECT_EQ(on_datum->inspection.alignment.datums.size(), 1u);
+  EXPECT_EQ(on_datum->inspection.verdict, Verdict::pass);
 }
 
 TEST(Inspect, UncertaintyHoldsTheTruth) {

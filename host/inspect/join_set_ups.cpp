@@ -2,6 +2,7 @@
 #include "host/inspect/join_set_ups.hpp"
 
 #include <algorithm>
+#include <set>
 
 namespace tetragauge {
 namespace {
@@ -12,9 +13,16 @@ void append(std::vector<T>& to, const std::vector<T>& more) {
 }
 
 void add_patches(const SetUp& set_up, size_t index, uint32_t first_point, std::vector<MeasuredPatch>& out) {
+  std::set<int> misplaced;
+  for (const MisplacedFeature& feature : set_up.match.misplaced)
+    for (const FaceIds& pair : feature.pairs) misplaced.insert(pair.measured);
   const auto add = [&](int measured_id, int model_id) {
     const size_t k = static_cast<size_t>(measured_id) - 1;
-    MeasuredPatch patch{index, measured_id, model_id, set_up.measured.faces()[k].area_mm2,
+    MeasuredPatch patch{index,
+                        measured_id,
+                        model_id,
+                        misplaced.contains(measured_id),
+                        set_up.measured.faces()[k].area_mm2,
                         set_up.measured.face_points[k]};
     for (uint32_t& i : patch.points) i += first_point;
     out.push_back(std::move(patch));

@@ -12,8 +12,9 @@ namespace tetragauge {
 
 struct MeasuredPatch {
   size_t set_up = 0;
-  int measured_id = 0;  // there
-  int model_id = 0;     // the face it was matched to; 0: none
+  int measured_id = 0;        // there
+  int model_id = 0;           // the face it was matched to; 0: none
+  bool is_misplaced = false;  // of a feature in the wrong place
   double area_mm2 = 0;
   std::vector<uint32_t> points;  // of JoinedScan, ascending
 };

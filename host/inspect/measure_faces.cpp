@@ -163,7 +163,7 @@ std::vector<ExtraFace> extra_faces(const JoinedScan& joined, const Solid& model,
   const CastScan& cast = joined.cast;
   std::vector<ExtraFace> extra;
   for (const MeasuredPatch& patch : joined.patches) {
-    if (patch.model_id != 0) continue;
+    if (patch.model_id != 0 || patch.is_misplaced) continue;
     const RigidTransform& T_model_part = set_ups[patch.set_up].match.T_model_part;
     ExtraFace out{patch.set_up, patch.measured_id,
                   set_ups[patch.set_up].measured.faces()[static_cast<size_t>(patch.measured_id) - 1], false};
