@@ -11,9 +11,9 @@ STEPS = {1: 2, 2: 1, 3: 13, 4: 7, 5: 14, 6: 5, 7: 3, 8: 10, 9: 11, 10: 9, 11: 6,
 
 @cl.needs_shared('data/thesis/steps-model.hsp')
 class ThesisLists(cl.CommandLineTest):
-    def match(self, model, measured):
+    def match(self, model, measured, *more):
         return self.run_json('match', '--model', os.path.join(THESIS, model), '--measured', os.path.join(THESIS, measured),
-                             '--unsigned', '--unit', 'cm')
+                             '--unsigned', '--unit', 'cm', *more)
 
     def test_staircase(self):
         match = self.match('steps-model.hsp', 'steps-measured.hsp')
@@ -34,6 +34,31 @@ class ThesisLists(cl.CommandLineTest):
         as_it_stands = {1: 2, 2: 9, 3: 1, 4: 4, 5: 7, 6: 3, 7: 8, 8: 6, 9: 5}
         turned = {1: 5, 2: 9, 3: 4, 4: 1, 5: 8, 6: 3, 7: 7, 8: 6, 9: 2}
         self.assertIn(pairs, [as_it_stands, turned])
+
+    def test_the_thesis_s_own_method(self):
+        for links in 'all', 'modes':
+            match = self.match('steps-model.hsp', 'steps-measured.hsp', '--method', 'procrustes', '--links', links)
+            self.assertEqual(match['method'], 'procrustes')
+            self.assertEqual({p['measured']: p['model'] for p in match['pairs']}, STEPS)
+            self.assertAlmostEqual(match['rotation_deg']['angle'], 0.168, delta=0.01)
+            self.assertIsNone(match['pose']['covariance'])
+            printed_mm = [-0.016, -0.093, 0.015]
+            difference_mm = match['procrustes']['plane_centre_difference_mm']
+            self.assertLess(sum((a - b) ** 2 for a, b in zip(difference_mm, printed_mm)) ** 0.5, 0.03)
+
+    def test_pairs_fixed_and_forbidden(self):
+        rules = self.write('pairs.json', '{"fix": [[14, 5]], "forbid": [[13, 3]]}')
+        match = self.match('steps-model.hsp', 'steps-measured-extra.hsp', '--pairs', rules)
+        pairs = {p['measured']: p['model'] for p in match['pairs']}
+        self.assertEqual(pairs, {k: v for k, v in STEPS.items() if k != 3})
+        self.assertEqual(match['changes']['broken'], [{'model': 13, 'measured': 3}])
+        self.assertEqual(match['changes']['made'], [])
+        # The extra face 15 for the slope 14, at right angles to it: the part lies another way.
+        rules = self.write('pairs.json', '{"fix": [[14, 15]]}')
+        match = self.match('steps-model.hsp', 'steps-measured-extra.hsp', '--pairs', rules)
+        self.assertEqual({p['measured']: p['model'] for p in match['pairs']}[15], 14)
+        self.assertIn({'model': 14, 'measured': 15}, match['changes']['made'])
+        self.assertGreater(match['changes']['turn_deg'], 80)
 
 
 if __name__ == '__main__':
