@@ -36,6 +36,8 @@ int main(int argc, char** argv) {
   app.add_option("--part", parts, "Only these parts");
   app.add_option("--sigma", sigmas, "mm");
   app.add_option("--points", counts);
+  std::string save_to;
+  app.add_option("--save", save_to, "Folder for the scans of cells that miss, for `tetragauge faces --out`");
   CLI11_PARSE(app, argc, argv);
   if (full) counts.push_back(500000);
 
@@ -55,6 +57,7 @@ int main(int argc, char** argv) {
         CellOptions options;
         options.points = points;
         options.sigma_mm = sigma;
+        options.save_to = save_to;
         options.seed = cell_seed(part.name, points, sigma, seed);
         ++cells;
         const Result<Cell> cell = measure_cell(part.name, *solid, options);

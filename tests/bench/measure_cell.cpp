@@ -14,8 +14,10 @@
 #include <random>
 
 #include "host/base/whole_file.hpp"
+#include "host/scan/scan_file.hpp"
 #include "host/simulate/simulate.hpp"
 #include "host/solid/ray_caster.hpp"
+#include "tests/bench/measure_shadow.hpp"
 
 namespace tetragauge::bench {
 namespace {
@@ -119,6 +121,8 @@ class Comparison {
     cell_.rays_lost = reconstruction->rays_lost;
     compare_faces(*faces);
     compare_volumes(*reconstruction, *faces);
+    if (!cell_.passes()) explain(*scan, how.max_incidence_rad);
+    if (!options_.save_to.empty() && !cell_.passes()) return save(*scan);
     return Done{};
   }
 
@@ -214,6 +218,29 @@ class Comparison {
     if (std::abs(cell_.mesh_volume) > 1)
       cell_.notes.push_back(
           text("tetrahedra: volume %+.3f %%", 100 * (reconstruction.volume_mm3 / solid_.volume_mm3 - 1)));
+  }
+
+  // What no beam saw counts as solid: so much of it there is, from the true model alone.
+  void explain(const Scan& scan, double max_incidence_rad) {
+    const Shadow shadow = measure_shadow(solid_, caster_, scan, T_, cell_.spacing_mm, max_incidence_rad);
+    cell_.dark = shadow.dark_mm3 / solid_.volume_mm3;
+    cell_.missed = shadow.missed_mm3 / solid_.volume_mm3;
+    const std::vector<double> share = dark_share(solid_, caster_, scan, T_, max_incidence_rad);
+    std::string faces;
+    for (size_t f = 0; f < share.size(); ++f) {
+      if (share[f] >= 0.02) faces += text(" %zu: %.0f %%", f + 1, 100 * share[f]);
+    }
+    cell_.notes.push_back(
+        text("shadow: air no view sees %+.3f %%, no beam of this scan %+.3f %% of the volume; dark share of "
+             "faces%s",
+             100 * cell_.dark, 100 * cell_.missed, faces.empty() ? " none" : faces.c_str()));
+  }
+
+  Status save(const Scan& scan) const {
+    const std::filesystem::path folder = options_.save_to;
+    std::filesystem::create_directories(folder);
+    return write_scan(folder / text("%s-%g-%zu.ply", cell_.part.c_str(), options_.sigma_mm, options_.points),
+                      scan);
   }
 
   const Solid& solid_;

@@ -2,6 +2,7 @@
 // One cell of the matrix: a part scanned with known noise, its faces found and compared with the truth.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct CellOptions {
   double sigma_mm = 0.03;
   uint64_t seed = 1;  // of the pose and the noise
   FindFacesOptions faces;
+  std::filesystem::path save_to;  // folder for the scan of a cell that misses; empty: none
 };
 
 struct Cell {
@@ -34,6 +36,9 @@ struct Cell {
   double worst_area = 0;       // relative
   double boundary_volume = 0;  // relative error, signed, of the boundary model
   double mesh_volume = 0;      // error of the tetrahedra over what is allowed, signed
+  // Cells that miss: air that no view sees, and that no beam of the scan passes within half a spacing, as
+  // shares of the part's volume (measure_shadow.hpp).
+  double dark = 0, missed = 0;
   size_t rays_lost = 0;
   double reconstruct_s = 0, faces_s = 0;
   std::vector<std::string> notes;  // what misses, in words
