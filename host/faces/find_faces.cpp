@@ -20,9 +20,7 @@ namespace tetragauge {
 namespace {
 
 // Area descending, then centroid: the same for any order of the points.
-std::vector<size_t> canonical_face_order(const FaceExtents& extents) {
-  std::vector<size_t> order(extents.faces.size());
-  std::iota(order.begin(), order.end(), size_t{0});
+std::vector<size_t> canonical_face_order(const FaceExtents& extents, std::vector<size_t> order) {
   const auto key = [&](size_t f) {
     const FaceExtent& e = extents.faces[f];
     return std::tuple(-e.area_mm2, e.centroid_mm.x(), e.centroid_mm.y(), e.centroid_mm.z());
@@ -43,10 +41,13 @@ void number_surfaces(std::vector<Face>& faces, const std::vector<PlaneFit>& fits
   }
 }
 
-MeasuredFaces describe(const Scan& scan, const FittedFaces& fitted, FaceExtents extents) {
+// `faces`: those large enough to be reported. The others only bound them.
+MeasuredFaces describe(const Scan& scan, const FittedFaces& fitted, FaceExtents extents,
+                       const std::vector<size_t>& faces) {
   MeasuredFaces result;
-  const std::vector<size_t> order = canonical_face_order(extents);
-  std::vector<int> id(order.size());
+  const std::vector<size_t> order = canonical_face_order(extents, faces);
+  constexpr int kNone = 0;
+  std::vector<int> id(fitted.fits.size(), kNone);
   for (size_t k = 0; k < order.size(); ++k) id[order[k]] = static_cast<int>(k) + 1;
 
   std::vector<PlaneFit> fits;
@@ -60,14 +61,18 @@ MeasuredFaces describe(const Scan& scan, const FittedFaces& fitted, FaceExtents 
     face.area_mm2 = extents.faces[f].area_mm2;
     face.covariance = covariance_at(fit, face.point_mm);
     face.covariance->matrix *= std::pow(noise_scale(fit), 2);
-    for (size_t g : extents.faces[f].neighbours) face.neighbours.push_back(id[g]);
+    for (size_t g : extents.faces[f].neighbours) {
+      if (id[g] != kNone) face.neighbours.push_back(id[g]);
+    }
     std::sort(face.neighbours.begin(), face.neighbours.end());
     face.points = fit.points;
     result.list.faces.push_back(std::move(face));
     result.face_triangles.push_back(std::move(extents.faces[f].triangles));
     for (BoundaryLoop& loop : extents.faces[f].loops) {
       for (BoundaryEdge& edge : loop) {
-        if (edge.beyond != kNoRegion) edge.beyond = id[static_cast<size_t>(edge.beyond)] - 1;
+        if (edge.beyond == kNoRegion) continue;
+        const int beyond = id[static_cast<size_t>(edge.beyond)];
+        edge.beyond = beyond == kNone ? kNoRegion : beyond - 1;
       }
     }
     result.boundaries.push_back(std::move(extents.faces[f].loops));
@@ -78,8 +83,9 @@ MeasuredFaces describe(const Scan& scan, const FittedFaces& fitted, FaceExtents 
   result.face_points.resize(order.size());
   result.rms_mm.assign(order.size(), 0);
   for (uint32_t i = 0; i < scan.size(); ++i) {
-    if (fitted.point_face[i] == kNoRegion) continue;
-    const auto k = static_cast<size_t>(id[static_cast<size_t>(fitted.point_face[i])] - 1);
+    const int32_t f = fitted.point_face[i];
+    if (f == kNoRegion || id[static_cast<size_t>(f)] == kNone) continue;
+    const auto k = static_cast<size_t>(id[static_cast<size_t>(f)] - 1);
     result.face_points[k].push_back(i);
     result.rms_mm[k] += std::pow(fits[k].normal.dot(scan.points[i]) - fits[k].d_mm, 2);
     ++result.points_used;
@@ -150,15 +156,16 @@ Result<MeasuredFaces> find_in_order(const Scan& scan, const Reconstruction& reco
     regions = std::move(selection.regions);
     if (!selection.changed) break;
   }
-  FittedFaces fitted =
-      assign_points(scan, reconstruction, graph, std::move(regions), options.min_points, kAllTurns);
-  fitted = split_unconnected(scan, reconstruction, graph, std::move(fitted), options.min_points);
-
-  fitted = unite_patches(scan, reconstruction, std::move(fitted));
+  // Faces of few points are not reported, but the boundary model needs their planes: without them the edges
+  // and corners of their neighbours would be cut off as the mesh cuts them.
+  FittedFaces fitted = assign_points(scan, reconstruction, graph, std::move(regions), kFewPoints, kAllTurns);
+  fitted = split_unconnected(scan, reconstruction, graph, std::move(fitted), kFewPoints);
+  fitted = unite_patches(scan, reconstruction, std::move(fitted), options.min_points);
 
   FaceExtents extents = face_extents(reconstruction, graph, fitted);
   false_chamfers += extents.strips;
-  MeasuredFaces result = describe(scan, fitted, std::move(extents));
+  MeasuredFaces result = describe(scan, fitted, std::move(extents),
+                                  reportable(scan, reconstruction, fitted, options.min_points));
   result.false_chamfers_dropped = false_chamfers;
   result.coplanar_clusters = clustered.coplanar_clusters;
   result.dendrogram = std::move(clustered.dendrogram);

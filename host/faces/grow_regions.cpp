@@ -25,8 +25,9 @@ class Grower {
   }
 
   Regions run() {
-    // Wide neighbourhoods first: they tell planes from noise best. Narrow faces have only close ones.
-    for (const int hops : {3, 2, 1}) {
+    // Wide neighbourhoods first: they tell planes from noise best. Narrow faces have only close ones; rims of
+    // one spacing have enough vertices only along them, once the faces beside them are taken.
+    for (const int hops : {3, 2, 1, 4}) {
       for (uint32_t seed : flattest_first(hops)) {
         if (regions_.vertex_region[seed] == kNoRegion) grow_from(seed, hops);
       }

@@ -17,6 +17,27 @@ namespace {
 
 constexpr double kGate = 3;  // sigma
 
+// Width of a uniform strip that scatters as these points do.
+double width_mm(const Scan& scan, const PlaneFit& plane, const std::vector<uint32_t>& members) {
+  if (members.empty()) return 0;
+  const auto count = static_cast<double>(members.size());
+  Mat3 scatter = Mat3::Zero();
+  Vec3 mean = Vec3::Zero();
+  for (uint32_t i : members) mean += scan.points[i] - plane.centroid_mm;
+  mean /= count;
+  for (uint32_t i : members) {
+    const Vec3 r = scan.points[i] - plane.centroid_mm - mean;
+    scatter += r * r.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(scatter / count, Eigen::EigenvaluesOnly);
+  return std::sqrt(12 * std::max(0.0, eigen.eigenvalues()[1]));
+}
+
+// A face is at least 2 spacings wide; the bands at its edges leave it 1.5, and a row of points at spacing s
+// spans less than the face by half a spacing on either side. What is narrower than that by half is no plane
+// at all: two points side by side are nowhere.
+constexpr double kFaceSpacings = 1, kPlaneSpacings = 0.5;
+
 class Selector {
  public:
   Selector(const Scan& scan, const Reconstruction& reconstruction, const SurfaceGraph& graph,
@@ -42,7 +63,9 @@ class Selector {
     for (size_t f = 0; f < becomes_.size(); ++f) {
       if (becomes_[f] != static_cast<int32_t>(f)) continue;
       const bool chamfer = is_false_chamfer(f);
-      if (!chamfer && !is_too_narrow(f) && !is_curved(f)) continue;
+      const bool narrow =
+          width_mm(scan_, fitted_.fits[f], members_[f]) < kPlaneSpacings * reconstruction_.point_spacing_mm;
+      if (!chamfer && !narrow && !is_curved(f)) continue;
       if (chamfer) ++selection.false_chamfers;
       becomes_[f] = kNoRegion;
     }
@@ -124,24 +147,6 @@ class Selector {
       if (by_neighbour) ++explained;
     }
     return 10 * explained >= 9 * members_[f].size();  // a tenth: points the gate lets past by chance
-  }
-
-  // A face is at least 2 spacings wide; the bands at its edges leave it 1.5, and a row of points at spacing s
-  // spans less than the face by half a spacing on either side.
-  bool is_too_narrow(size_t f) const {
-    const PlaneFit& plane = fitted_.fits[f];
-    Mat3 scatter = Mat3::Zero();
-    Vec3 mean = Vec3::Zero();
-    for (uint32_t i : members_[f]) mean += scan_.points[i] - plane.centroid_mm;
-    mean /= static_cast<double>(members_[f].size());
-    for (uint32_t i : members_[f]) {
-      const Vec3 r = scan_.points[i] - plane.centroid_mm - mean;
-      scatter += r * r.transpose();
-    }
-    const Eigen::SelfAdjointEigenSolver<Mat3> eigen(scatter / static_cast<double>(members_[f].size()),
-                                                    Eigen::EigenvaluesOnly);
-    const double width = std::sqrt(12 * eigen.eigenvalues()[1]);  // of a uniform strip
-    return width < reconstruction_.point_spacing_mm;
   }
 
   // A piece of a curved surface has a bow as deep as the gate, and goes on smoothly beyond its rim. A bowed
@@ -234,6 +239,23 @@ class Selector {
 Selection select_faces(const Scan& scan, const Reconstruction& reconstruction, const SurfaceGraph& graph,
                        const FittedFaces& fitted) {
   return Selector(scan, reconstruction, graph, fitted).run();
+}
+
+std::vector<size_t> reportable(const Scan& scan, const Reconstruction& reconstruction,
+                               const FittedFaces& fitted, size_t min_points) {
+  std::vector<std::vector<uint32_t>> members(fitted.fits.size());
+  std::vector<size_t> on_its_side(fitted.fits.size(), 0);
+  for (uint32_t i = 0; i < scan.size(); ++i) {
+    if (fitted.point_face[i] != kNoRegion) members[static_cast<size_t>(fitted.point_face[i])].push_back(i);
+    if (fitted.point_side[i] != kNoRegion) ++on_its_side[static_cast<size_t>(fitted.point_side[i])];
+  }
+  std::vector<size_t> faces;
+  for (size_t f = 0; f < members.size(); ++f) {
+    if (on_its_side[f] >= min_points && 2 * members[f].size() >= min_points &&
+        width_mm(scan, fitted.fits[f], members[f]) >= kFaceSpacings * reconstruction.point_spacing_mm)
+      faces.push_back(f);
+  }
+  return faces;
 }
 
 FittedFaces split_unconnected(const Scan& scan, const Reconstruction& reconstruction,

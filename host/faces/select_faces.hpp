@@ -17,6 +17,11 @@ struct Selection {
 Selection select_faces(const Scan& scan, const Reconstruction& reconstruction, const SurfaceGraph& graph,
                        const FittedFaces& fitted);
 
+// Faces of at least `min_points` points, those in their bands counted, and not too narrow to be told from the
+// spread of an edge: ascending.
+std::vector<size_t> reportable(const Scan& scan, const Reconstruction& reconstruction,
+                               const FittedFaces& fitted, size_t min_points);
+
 // One face per connected piece; pieces of fewer than `min_points` raw points are on no face.
 FittedFaces split_unconnected(const Scan& scan, const Reconstruction& reconstruction,
                               const SurfaceGraph& graph, FittedFaces fitted, size_t min_points);

@@ -143,15 +143,23 @@ class PatchUniter {
 
 }  // namespace
 
-FittedFaces unite_patches(const Scan& scan, const Reconstruction& reconstruction, FittedFaces fitted) {
+FittedFaces unite_patches(const Scan& scan, const Reconstruction& reconstruction, FittedFaces fitted,
+                          size_t min_points) {
   const size_t faces = fitted.fits.size();
+  std::vector<size_t> on_its_side(faces, 0);
+  for (const int32_t f : fitted.point_side) {
+    if (f != kNoRegion) ++on_its_side[static_cast<size_t>(f)];
+  }
   std::vector<int32_t> becomes(faces);
   std::iota(becomes.begin(), becomes.end(), 0);
   {
     const PatchUniter uniter(scan, reconstruction, fitted);
     for (size_t g = 1; g < faces; ++g) {
+      if (on_its_side[g] < min_points) continue;
       for (size_t f = 0; f < g; ++f) {
-        if (becomes[f] != static_cast<int32_t>(f) || !uniter.are_one_face(f, g)) continue;
+        if (on_its_side[f] < min_points || becomes[f] != static_cast<int32_t>(f) ||
+            !uniter.are_one_face(f, g))
+          continue;
         becomes[g] = static_cast<int32_t>(f);
         break;
       }
