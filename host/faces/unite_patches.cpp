@@ -36,7 +36,7 @@ class PatchUniter {
       p = nearest(f, q);
       q = nearest(g, p);
     }
-    return !proven_apart(a, p, q) && !wall_between(f, g, p, q);
+    return !proven_apart(f, g, p, q) && !wall_between(f, g, p, q);
   }
 
  private:
@@ -49,25 +49,44 @@ class PatchUniter {
     return best;
   }
 
-  // Looks along a corridor from p to q, 3 spacings wide.
-  bool proven_apart(const PlaneFit& plane, const Vec3& p, const Vec3& q) const {
+  // Looks along a corridor from p to q, 3 spacings wide, for a ray that crosses the plane, whichever way: no
+  // material there; or for a point that rises from it.
+  bool proven_apart(size_t f, size_t g, const Vec3& p, const Vec3& q) const {
+    const PlaneFit& plane = fitted_.fits[f];
     const double s = reconstruction_.vertex_spacing_mm, length = (q - p).norm();
     if (!(length > s)) return false;
     const Vec3 along = (q - p) / length, beside = plane.normal.cross(along);
-    const auto in_corridor = [&](const Vec3& x) {
+    const auto speaks = [&](const Vec3& x) {
       const double t = along.dot(x - p);
-      return t > 0.5 * s && t < length - 0.5 * s && std::abs(beside.dot(x - p)) < 1.5 * s;
+      return t > 0.5 * s && t < length - 0.5 * s && std::abs(beside.dot(x - p)) < 1.5 * s &&
+             !lies_beyond_edge(f, g, x);
     };
     for (uint32_t i = 0; i < scan_.size(); ++i) {
       const Vec3 ray = scan_.ray_direction(i);
       const double height = plane.normal.dot(scan_.points[i]) - plane.d_mm, cosine = plane.normal.dot(ray);
       const double noise = 3 * sigma_across(sigma_mm_[i], ray, plane.normal);
-      if (height < -std::max(noise, 0.5 * s)) {
-        const bool came_through = cosine < 0 && plane.normal.dot(scan_.ray_origins[i]) > plane.d_mm;
-        if (came_through && in_corridor(scan_.points[i] - ray * (height / cosine))) return true;
-      } else if (height > noise && height < 2 * s && in_corridor(scan_.points[i])) {
+      const bool came_from_front = plane.normal.dot(scan_.ray_origins[i]) > plane.d_mm;
+      if (std::abs(height) > std::max(noise, 0.5 * s) && came_from_front != (height > 0)) {
+        if (speaks(scan_.points[i] - ray * (height / cosine))) return true;
+      } else if (height > noise && height < 2 * s && speaks(scan_.points[i])) {
         return true;
       }
+    }
+    return false;
+  }
+
+  // Beside the corridor another face may end both patches, or bound them both: what lies on it or beyond it
+  // says nothing about what is between them.
+  bool lies_beyond_edge(size_t f, size_t g, const Vec3& x) const {
+    const double margin = 0.5 * reconstruction_.vertex_spacing_mm;
+    for (size_t h = 0; h < fitted_.fits.size(); ++h) {
+      if (h == f || h == g) continue;
+      const PlaneFit& side = fitted_.fits[h];
+      const auto distance = [&](const Vec3& at) { return side.normal.dot(at) - side.d_mm; };
+      const double of_f = distance(fitted_.fits[f].centroid_mm), of_g = distance(fitted_.fits[g].centroid_mm);
+      if ((of_f > margin && of_g > margin && distance(x) < margin) ||
+          (of_f < -margin && of_g < -margin && distance(x) > -margin))
+        return true;
     }
     return false;
   }

@@ -6,9 +6,8 @@
 namespace tetragauge {
 
 // Patches of one plane with nothing measured between them (a face half in shadow) are one face, unless
-// something proves them apart: a ray that passes between them to a point behind the plane, or points that
-// rise from the plane there. Patches of fewer than `min_points` points stay as they are: nothing could prove
-// them apart.
+// something proves them apart: a ray that crosses the plane between them, or points that rise from it there.
+// Patches of fewer than `min_points` points stay as they are: nothing could prove them apart.
 FittedFaces unite_patches(const Scan& scan, const Reconstruction& reconstruction, FittedFaces fitted,
                           size_t min_points);
 
