@@ -36,7 +36,7 @@ class PatchUniter {
       p = nearest(f, q);
       q = nearest(g, p);
     }
-    return !proven_apart(f, g, p, q) && !wall_between(f, g, p, q);
+    return !proven_apart(f, g, p, q) && !wall_between(f, g, p, q) && !covered_between(f, g, p, q);
   }
 
  private:
@@ -59,7 +59,7 @@ class PatchUniter {
     const auto speaks = [&](const Vec3& x) {
       const double t = along.dot(x - p);
       return t > 0.5 * s && t < length - 0.5 * s && std::abs(beside.dot(x - p)) < 1.5 * s &&
-             !lies_beyond_edge(f, g, x);
+             !lies_beyond_edge(f, g, p, q, x);
     };
     for (uint32_t i = 0; i < scan_.size(); ++i) {
       const Vec3 ray = scan_.ray_direction(i);
@@ -76,17 +76,23 @@ class PatchUniter {
   }
 
   // Beside the corridor another face may end both patches, or bound them both: what lies on it or beyond it
-  // says nothing about what is between them.
-  bool lies_beyond_edge(size_t f, size_t g, const Vec3& x) const {
+  // says nothing about what is between them. Of a patch that goes round a corner, its near end tells the
+  // side.
+  bool lies_beyond_edge(size_t f, size_t g, const Vec3& p, const Vec3& q, const Vec3& x) const {
     const double margin = 0.5 * reconstruction_.vertex_spacing_mm;
+    const Vec3 &middle_f = fitted_.fits[f].centroid_mm, &middle_g = fitted_.fits[g].centroid_mm;
     for (size_t h = 0; h < fitted_.fits.size(); ++h) {
       if (h == f || h == g) continue;
       const PlaneFit& side = fitted_.fits[h];
       const auto distance = [&](const Vec3& at) { return side.normal.dot(at) - side.d_mm; };
-      const double of_f = distance(fitted_.fits[f].centroid_mm), of_g = distance(fitted_.fits[g].centroid_mm);
-      if ((of_f > margin && of_g > margin && distance(x) < margin) ||
-          (of_f < -margin && of_g < -margin && distance(x) > -margin))
-        return true;
+      const auto same_side = [&](const Vec3& a, const Vec3& b, double sign, double least) {
+        return sign * distance(a) > least && sign * distance(b) > least;
+      };
+      for (const double sign : {-1.0, 1.0}) {
+        if (sign * distance(x) < margin &&
+            (same_side(middle_f, middle_g, sign, margin) || same_side(p, q, sign, 0.25 * margin)))
+          return true;
+      }
     }
     return false;
   }
@@ -129,6 +135,40 @@ class PatchUniter {
       const Side &in = sides[k], &out = sides[k + 1];
       if (in.enters && !out.enters &&
           !ray_passes(plane, p, along, in.at_mm, out.at_mm, std::min(in.low_mm, out.low_mm)))
+        return true;
+    }
+    return false;
+  }
+
+  // Material was seen over the line from p to q and not over the patches themselves, and no ray passes below
+  // it: a wall whose sides are in shadow, not a bridge.
+  bool covered_between(size_t f, size_t g, const Vec3& p, const Vec3& q) const {
+    constexpr double kUpwards = 0.5;
+    const PlaneFit& plane = fitted_.fits[f];
+    const double s = reconstruction_.vertex_spacing_mm, length = (q - p).norm();
+    if (!(length > s)) return false;
+    const Vec3 along = (q - p) / length, beside = plane.normal.cross(along);
+    const auto is_over = [&](const Vec3& x, const Vec3& patch) {
+      const Vec3 r = x - patch;
+      return (r - plane.normal * plane.normal.dot(r)).norm() < 1.5 * s;
+    };
+    for (size_t h = 0; h < vertices_.size(); ++h) {
+      if (h == f || h == g || fitted_.fits[h].normal.dot(plane.normal) < kUpwards) continue;
+      double from_mm = INFINITY, to_mm = -INFINITY, low_mm = INFINITY;
+      bool over_patch = false;
+      for (uint32_t v : vertices_[h]) {
+        const Vec3& x = reconstruction_.vertices[v];
+        const double height = plane.normal.dot(x - p);
+        if (height < s) continue;
+        over_patch =
+            over_patch || is_over(x, fitted_.fits[f].centroid_mm) || is_over(x, fitted_.fits[g].centroid_mm);
+        const double t = along.dot(x - p);
+        if (t < 0 || t > length || std::abs(beside.dot(x - p)) > 1.5 * s) continue;
+        from_mm = std::min(from_mm, t);
+        to_mm = std::max(to_mm, t);
+        low_mm = std::min(low_mm, height);
+      }
+      if (!over_patch && to_mm - from_mm > s && !ray_passes(plane, p, along, from_mm, to_mm, low_mm))
         return true;
     }
     return false;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The matrix of accuracy: parts x sigma x number of points, each in a random pose, as a table.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -45,8 +46,10 @@ int main(int argc, char** argv) {
               "space", "faces", "invented", "chamfer", "offset", "tilt", "area%", "volume%", "mesh", "rec s",
               "fac s");
   size_t cells = 0, passed = 0;
-  for (size_t p = 0; p < parts.size(); ++p) {
-    const BenchPart part = bench_part(parts[p], sizes == 0 ? 0 : 1000 * sizes + p);
+  const std::vector<std::string> names = bench_part_names();
+  for (const std::string& name : parts) {
+    const auto number = static_cast<size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+    const BenchPart part = bench_part(name, sizes == 0 ? 0 : 1000 * sizes + number);
     const Result<Solid> solid = solid_of(part);
     if (!solid) {
       std::fprintf(stderr, "%s: %s\n", part.name.c_str(), solid.error().message.c_str());

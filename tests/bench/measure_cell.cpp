@@ -222,18 +222,14 @@ class Comparison {
 
   // What no beam saw counts as solid: so much of it there is, from the true model alone.
   void explain(const Scan& scan, double max_incidence_rad) {
-    const Shadow shadow = measure_shadow(solid_, caster_, scan, T_, cell_.spacing_mm, max_incidence_rad);
-    cell_.dark = shadow.dark_mm3 / solid_.volume_mm3;
-    cell_.missed = shadow.missed_mm3 / solid_.volume_mm3;
+    cell_.dark = dark_air_mm3(solid_, caster_, scan, T_, max_incidence_rad) / solid_.volume_mm3;
     const std::vector<double> share = dark_share(solid_, caster_, scan, T_, max_incidence_rad);
     std::string faces;
     for (size_t f = 0; f < share.size(); ++f) {
       if (share[f] >= 0.02) faces += text(" %zu: %.0f %%", f + 1, 100 * share[f]);
     }
-    cell_.notes.push_back(
-        text("shadow: air no view sees %+.3f %%, no beam of this scan %+.3f %% of the volume; dark share of "
-             "faces%s",
-             100 * cell_.dark, 100 * cell_.missed, faces.empty() ? " none" : faces.c_str()));
+    cell_.notes.push_back(text("shadow: air that no view sees, %.3f %% of the volume; dark share of faces%s",
+                               100 * cell_.dark, faces.empty() ? " none" : faces.c_str()));
   }
 
   Status save(const Scan& scan) const {

@@ -36,9 +36,7 @@ struct Cell {
   double worst_area = 0;       // relative
   double boundary_volume = 0;  // relative error, signed, of the boundary model
   double mesh_volume = 0;      // error of the tetrahedra over what is allowed, signed
-  // Cells that miss: air that no view sees, and that no beam of the scan passes within half a spacing, as
-  // shares of the part's volume (measure_shadow.hpp).
-  double dark = 0, missed = 0;
+  double dark = 0;             // cells that miss: air that no view sees, as a share of the part's volume
   size_t rays_lost = 0;
   double reconstruct_s = 0, faces_s = 0;
   std::vector<std::string> notes;  // what misses, in words

@@ -55,64 +55,12 @@ std::vector<HalfSpace> convex_hull(const Solid& solid) {
   return hull;
 }
 
-// The beams of one view by direction, in cells as wide as their spacing.
-class View {
- public:
-  View(const Vec3& sensor, const Vec3& middle) : sensor(sensor) {
-    axis_ = (middle - sensor).normalized();
-    std::tie(u_, v_) = tangent_frame(axis_);
-  }
-
-  void add(const Vec3& point) { points_.push_back(point - sensor); }
-
-  void sort(double spacing_mm) {
-    reach_mm_ = spacing_mm / 2;
-    double nearest = 1e300;
-    for (const Vec3& r : points_) nearest = std::min(nearest, r.dot(axis_));
-    cell_ = reach_mm_ / nearest;
-    for (const Vec3& r : points_) {
-      const auto [x, y] = cell(r);
-      cells_[{x, y}].push_back(r);
-    }
-  }
-
-  // Whether a beam on its way to a point beyond passes within half a spacing.
-  bool has_passed(const Vec3& p) const {
-    const Vec3 r = p - sensor;
-    const auto [x, y] = cell(r);
-    for (int64_t i = x - 2; i <= x + 2; ++i) {
-      for (int64_t j = y - 2; j <= y + 2; ++j) {
-        const auto found = cells_.find({i, j});
-        if (found == cells_.end()) continue;
-        for (const Vec3& beam : found->second) {
-          const Vec3 direction = beam.normalized();
-          if (beam.norm() > r.dot(direction) && direction.cross(r).norm() < reach_mm_) return true;
-        }
-      }
-    }
-    return false;
-  }
-
-  Vec3 sensor;
-
- private:
-  std::pair<int64_t, int64_t> cell(const Vec3& r) const {
-    const double depth = r.dot(axis_) * cell_;
-    return {std::llround(r.dot(u_) / depth), std::llround(r.dot(v_) / depth)};
-  }
-
-  Vec3 axis_, u_, v_;
-  double reach_mm_ = 0, cell_ = 0;
-  std::vector<Vec3> points_;
-  std::map<std::pair<int64_t, int64_t>, std::vector<Vec3>> cells_;
-};
-
-std::vector<View> views_of(const Scan& scan, const Vec3& middle) {
-  std::map<uint32_t, View> views;
-  for (size_t i = 0; i < scan.size(); ++i)
-    views.try_emplace(scan.view[i], scan.ray_origins[i], middle).first->second.add(scan.points[i]);
-  std::vector<View> result;
-  for (auto& [number, view] : views) result.push_back(std::move(view));
+// Where the light came from, model frame.
+std::vector<Vec3> sensors_of(const Scan& scan, const RigidTransform& T) {
+  std::map<uint32_t, Vec3> sensors;
+  for (size_t i = 0; i < scan.size(); ++i) sensors.try_emplace(scan.view[i], scan.ray_origins[i]);
+  std::vector<Vec3> result;
+  for (const auto& [view, sensor] : sensors) result.push_back(T.inverse() * sensor);
   return result;
 }
 
@@ -122,44 +70,35 @@ double uniform(std::mt19937_64& random) {
 
 }  // namespace
 
-Shadow measure_shadow(const Solid& solid, const RayCaster& caster, const Scan& scan, const RigidTransform& T,
-                      double spacing_mm, double max_incidence_rad) {
-  constexpr size_t kSamples = 100000;
-  std::vector<View> views = views_of(scan, T * Vec3(0.5 * (solid.box_min_mm + solid.box_max_mm)));
-  for (View& view : views) view.sort(spacing_mm);
+double dark_air_mm3(const Solid& solid, const RayCaster& caster, const Scan& scan, const RigidTransform& T,
+                    double max_incidence_rad) {
+  constexpr size_t kSamples = 100000;  // a share of 1 % of the box to 3 % of itself
+  const std::vector<Vec3> sensors = sensors_of(scan, T);
   const std::vector<HalfSpace> hull = convex_hull(solid);
-  const RigidTransform T_model_scan = T.inverse();
   const double least_cosine = std::cos(max_incidence_rad);
   const Vec3 size = solid.box_max_mm - solid.box_min_mm;
   std::mt19937_64 random(1);
-  size_t dark = 0, missed = 0;
+  size_t dark = 0;
   for (size_t k = 0; k < kSamples; ++k) {
-    const Vec3 share(uniform(random), uniform(random), uniform(random));
-    const Vec3 p = solid.box_min_mm + size.cwiseProduct(share);
+    const double x = uniform(random), y = uniform(random), z = uniform(random);
+    const Vec3 p = solid.box_min_mm + size.cwiseProduct(Vec3(x, y, z));
     if (std::any_of(hull.begin(), hull.end(), [&](const HalfSpace& h) { return h.normal.dot(p) > h.d_mm; }) ||
         caster.inside(p))
       continue;
-    bool lit = false, passed = false;
-    for (const View& view : views) {
-      const Vec3 sensor = T_model_scan * view.sensor, direction = (p - sensor).normalized();
+    const bool lit = std::any_of(sensors.begin(), sensors.end(), [&](const Vec3& sensor) {
+      const Vec3 direction = (p - sensor).normalized();
       const auto hit = caster.first_hit(sensor, direction);
-      lit = lit ||
-            (hit && hit->distance_mm > (p - sensor).norm() && -hit->normal.dot(direction) >= least_cosine);
-      passed = passed || view.has_passed(T * p);
-      if (lit && passed) break;
-    }
+      return hit && hit->distance_mm > (p - sensor).norm() && -hit->normal.dot(direction) >= least_cosine;
+    });
     if (!lit) ++dark;
-    if (!passed) ++missed;
   }
-  const double each = size.prod() / static_cast<double>(kSamples);
-  return {each * static_cast<double>(dark), each * static_cast<double>(missed)};
+  return size.prod() * static_cast<double>(dark) / static_cast<double>(kSamples);
 }
 
 std::vector<double> dark_share(const Solid& solid, const RayCaster& caster, const Scan& scan,
                                const RigidTransform& T, double max_incidence_rad) {
   constexpr double kSamplesPerMm2 = 4;
-  const std::vector<View> views = views_of(scan, T * Vec3(0.5 * (solid.box_min_mm + solid.box_max_mm)));
-  const RigidTransform T_model_scan = T.inverse();
+  const std::vector<Vec3> sensors = sensors_of(scan, T);
   const double least_cosine = std::cos(max_incidence_rad);
   std::vector<size_t> all(solid.faces().size(), 0), dark(solid.faces().size(), 0);
   std::mt19937_64 random(2);
@@ -176,8 +115,7 @@ std::vector<double> dark_share(const Solid& solid, const RayCaster& caster, cons
         y = 1 - y;
       }
       const Vec3 p = a + x * ab + y * ac;
-      const bool lit = std::any_of(views.begin(), views.end(), [&](const View& view) {
-        const Vec3 sensor = T_model_scan * view.sensor;
+      const bool lit = std::any_of(sensors.begin(), sensors.end(), [&](const Vec3& sensor) {
         return normal.dot((sensor - p).normalized()) >= least_cosine && !caster.occluded(sensor, p, 1e-4);
       });
       ++all[f];

@@ -11,14 +11,10 @@
 
 namespace tetragauge::bench {
 
-struct Shadow {
-  double dark_mm3 = 0;    // air within the convex hull that no beam from any view could pass to a point
-  double missed_mm3 = 0;  // this, and air that beams could, but none of the scan comes within half a spacing
-};
-
-// `scan` without noise worth mentioning against `spacing_mm`, `T` from the model to it.
-Shadow measure_shadow(const Solid& solid, const RayCaster& caster, const Scan& scan, const RigidTransform& T,
-                      double spacing_mm, double max_incidence_rad);
+// Volume of the air within the convex hull through which no beam from any of the scan's views could pass to a
+// point, however many beams there are. `T` from the model to the scan.
+double dark_air_mm3(const Solid& solid, const RayCaster& caster, const Scan& scan, const RigidTransform& T,
+                    double max_incidence_rad);
 
 // For each face the share of its area that no view reaches.
 std::vector<double> dark_share(const Solid& solid, const RayCaster& caster, const Scan& scan,
