@@ -59,7 +59,7 @@ class PatchUniter {
     const auto speaks = [&](const Vec3& x) {
       const double t = along.dot(x - p);
       return t > 0.5 * s && t < length - 0.5 * s && std::abs(beside.dot(x - p)) < 1.5 * s &&
-             !lies_beyond_edge(f, g, p, q, x);
+             !lies_beyond_edge(f, g, x);
     };
     for (uint32_t i = 0; i < scan_.size(); ++i) {
       const Vec3 ray = scan_.ray_direction(i);
@@ -76,23 +76,17 @@ class PatchUniter {
   }
 
   // Beside the corridor another face may end both patches, or bound them both: what lies on it or beyond it
-  // says nothing about what is between them. Of a patch that goes round a corner, its near end tells the
-  // side.
-  bool lies_beyond_edge(size_t f, size_t g, const Vec3& p, const Vec3& q, const Vec3& x) const {
+  // says nothing about what is between them.
+  bool lies_beyond_edge(size_t f, size_t g, const Vec3& x) const {
     const double margin = 0.5 * reconstruction_.vertex_spacing_mm;
-    const Vec3 &middle_f = fitted_.fits[f].centroid_mm, &middle_g = fitted_.fits[g].centroid_mm;
     for (size_t h = 0; h < fitted_.fits.size(); ++h) {
       if (h == f || h == g) continue;
       const PlaneFit& side = fitted_.fits[h];
       const auto distance = [&](const Vec3& at) { return side.normal.dot(at) - side.d_mm; };
-      const auto same_side = [&](const Vec3& a, const Vec3& b, double sign, double least) {
-        return sign * distance(a) > least && sign * distance(b) > least;
-      };
-      for (const double sign : {-1.0, 1.0}) {
-        if (sign * distance(x) < margin &&
-            (same_side(middle_f, middle_g, sign, margin) || same_side(p, q, sign, 0.25 * margin)))
-          return true;
-      }
+      const double of_f = distance(fitted_.fits[f].centroid_mm), of_g = distance(fitted_.fits[g].centroid_mm);
+      if ((of_f > margin && of_g > margin && distance(x) < margin) ||
+          (of_f < -margin && of_g < -margin && distance(x) > -margin))
+        return true;
     }
     return false;
   }

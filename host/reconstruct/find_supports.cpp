@@ -47,8 +47,7 @@ std::vector<Vec3> find_supports(const Tetrahedra& tetrahedra, const std::vector<
       const double depth = facet.inwards.dot(tetrahedra.vertices[cell.vertex[i]] - facet.corner[0]);
       if (!(depth > 2 * spacing) || !is_measured(facet, cell, i, averaged)) continue;
       const Vec3 middle = (facet.corner[0] + facet.corner[1] + facet.corner[2]) / 3;
-      // From half a spacing on: walls of one spacing are to be kept.
-      for (double d = spacing / 2; 2 * d < depth; d *= 2) supports.push_back(middle + d * facet.inwards);
+      for (double d = spacing; 2 * d < depth; d *= 2) supports.push_back(middle + d * facet.inwards);
     }
   }
   return supports;
