@@ -179,11 +179,13 @@ class Selector {
     }
     const double turn =
         2 * std::max({std::abs(solution[3]), std::abs(solution[4]), std::abs(solution[5])}) / scale;
+    // Beside a shallow crease a plane strip has up to half of its rim; a piece of a curve goes on at both sides.
+    constexpr double kGoesOnBothSides = 0.5;
     // Gained by chance: 3 degrees of freedom, as in kSamePlaneChi2.
     const double vertex_sigma =
         typical_sigma * std::min(1.0, reconstruction_.point_spacing_mm / reconstruction_.vertex_spacing_mm);
     return turn > kFlatTurn && gained > kSamePlaneChi2 && high - low > kGate * vertex_sigma &&
-           soft_rim_share(f) > 0.3;
+           soft_rim_share(f) > kGoesOnBothSides;
   }
 
   // Share of the rim across which the surface goes on with a slope of less than a third (about 18 degrees).
