@@ -16,6 +16,10 @@ constexpr double kRemainder = 0.1;
 // Or what remains of each face is noise: 99.9 % of chi-square with 3 degrees of freedom.
 constexpr double kChi2_3_999 = 16.27;
 
+// A feature explains more of what is left over than chance does; false faces by the dozen agree in twos on
+// hundreds of motions.
+constexpr size_t kMostCandidates = 20;
+
 struct LeftOver {
   std::set<int> model, measured;  // ids
 };
@@ -144,7 +148,7 @@ std::vector<MisplacedFeature> find_misplaced(const MatchInput& whole, const Rank
 
     // Of the poses that fit as well, the one nearest to no motion.
     Candidate best;
-    for (const RankedPose& pose : rank_poses(*input, kSameCost).poses) {
+    for (const RankedPose& pose : rank_poses(*input, kSameCost, kMostCandidates).poses) {
       Candidate here = candidate(model, measured, input->prior, pose);
       if (here.pairs.size() < 2 || !is_feature(model, measured, here, chosen.pose, input->gates)) continue;
       const auto motion = [&](const Candidate& c) {

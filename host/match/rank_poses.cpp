@@ -15,7 +15,6 @@ namespace {
 double share_to_keep(size_t faces) {
   return 1 - 0.25 * std::min(1.0, std::sqrt(10.0 / static_cast<double>(faces)));
 }
-constexpr size_t kMostPoses = 300;
 // A pose that is sure to cost so much more than another (four faces) is not looked at further, not even as
 // the rival of a near-symmetric part.
 constexpr double kHopeless = 4 * kFaceCost;
@@ -178,14 +177,14 @@ Error no_pose_error(const PlaneSet& model, const PlaneSet& measured, const Searc
                          " in the model); is this the part's model, and are both in the same unit?");
 }
 
-RankedPoses rank_poses(const MatchInput& input, double within) {
+RankedPoses rank_poses(const MatchInput& input, double within, size_t most_candidates) {
   const PlaneSet &model = input.model, &measured = input.measured;
   const SearchGates& gates = input.gates;
   RankedPoses out;
   std::vector<PoseCandidate> candidates =
       search_poses(model, measured, gates, share_to_keep(measured.planes.size()));
   out.compared = candidates.size();
-  if (candidates.size() > kMostPoses) candidates.resize(kMostPoses);
+  if (candidates.size() > most_candidates) candidates.resize(most_candidates);
   double cheapest = 1e300;  // so far, each with its own scatter
   for (const PoseCandidate& candidate : candidates) {
     if (least_cost(input, candidate.T_model_part) > cheapest + within + kHopeless) continue;

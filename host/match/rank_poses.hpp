@@ -51,7 +51,8 @@ Result<MatchInput> match_input(const FaceList& model, const FaceList& measured, 
 Result<PlaneSet> model_planes(const FaceList& model);
 Result<PlaneSet> measured_planes(const FaceList& measured);
 
-RankedPoses rank_poses(const MatchInput& input, double within);
+// Of the candidates that explain most at most `most_candidates` are looked at.
+RankedPoses rank_poses(const MatchInput& input, double within, size_t most_candidates = 300);
 
 // Nothing of the measured faces fits anywhere on the model.
 Error no_pose_error(const PlaneSet& model, const PlaneSet& measured, const SearchGates& gates = {});
