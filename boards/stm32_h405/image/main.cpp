@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The image for the STM32-H405: the board, the controller on it, and the interrupts that join them.
 #include "boards/cortex_m4/startup.hpp"
+#include "boards/stm32_h405/interrupts.hpp"
 #include "boards/stm32_h405/stm32_board.hpp"
 #include "firmware/controller.hpp"
 
@@ -9,6 +10,7 @@ namespace {
 
 using ImageBoard = Stm32Board<ChipBus, TETRAGAUGE_MIRRORS>;
 using Firmware = Controller<ImageBoard>;
+using OnInterrupt = Interrupts<ImageBoard, Firmware>;
 
 // 'DFU!' here at reset: into the bootloader that is in the chip.
 constexpr uint32_t kIntoBootloader = 0x4446'5521;
@@ -128,35 +130,33 @@ extern "C" {
 using namespace tetragauge;
 
 void Tick_Handler() {
-  board->on_tick();
+  OnInterrupt::tick(*board);
   woken = true;
 }
 void Line_Handler() {
-  board->line().on_usart_interrupt();
+  OnInterrupt::line(*board);
   woken = true;
 }
 void LineOut_Handler() {
-  board->line().on_dma_interrupt();
+  OnInterrupt::line_out(*board);
   woken = true;
 }
 void Step_Handler() {
-  board->steps().on_interrupt([](Axis axis) { firmware->on_step_timer(axis); });
+  OnInterrupt::step(*board, *firmware);
   woken = true;
 }
 void Interlock_Handler() {
-  board->input_pins().on_interrupt();
-  firmware->on_interlock();
+  OnInterrupt::interlock(*board, *firmware);
   woken = true;
 }
 void Alarm_Handler() {
-  if (board->clock().on_interrupt()) firmware->on_alarm();
+  OnInterrupt::alarm(*board, *firmware);
   woken = true;
 }
 void Samples_Handler() {
-  if (board->on_samples_dma()) firmware->on_samples();
+  OnInterrupt::samples(*board, *firmware);
   woken = true;
 }
-
 extern const Handler core_vectors[16];
 [[gnu::section(".vectors.core"), gnu::used]] const Handler core_vectors[16] = {TETRAGAUGE_CORE_VECTORS};
 }
