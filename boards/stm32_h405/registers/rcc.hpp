@@ -60,8 +60,8 @@ inline constexpr Field<Csr, 28> kSoftwareReset;
 inline constexpr Field<Csr, 29> kIwdgReset;
 inline constexpr Field<Csr, 30> kWwdgReset;
 
-// Clocks of peripherals. Read back: a peripheral takes no access in the cycles right after (errata sheet ES0182,
-// "Delay after an RCC peripheral clock enabling").
+// Clocks of peripherals. Read back: a peripheral takes no access in the cycles right after (errata sheet
+// ES0182, "Delay after an RCC peripheral clock enabling").
 template <class Bus, class R>
 void switch_on(Bits<R> bits) {
   Io<Bus>::modify(bits);
