@@ -62,12 +62,18 @@ void tetragauge_start() {
   tetragauge::run_board();
 }
 
-// Bit 2 of the exception's return value tells which stack holds the frame (B1.5.8); only one is used here.
+// Where the stack has run out, the last words are told from its top again.
 [[gnu::naked]] void Crash_Handler() {
   __asm__ volatile(
       "mov r0, sp\n"
       "mrs r1, ipsr\n"
-      "b tetragauge_crash\n");
+      "ldr r2, =tetragauge_stack_begin\n"
+      "add r2, r2, #256\n"
+      "cmp r0, r2\n"
+      "bhs 1f\n"
+      "ldr r2, =tetragauge_stack_end\n"
+      "mov sp, r2\n"
+      "1: b tetragauge_crash\n");
 }
 
 // Frame: r0 r1 r2 r3 r12 lr pc xpsr (B1.5.6). The outputs first: a stack that ran over gives no good frame.
