@@ -19,6 +19,11 @@ import unittest
 
 IMAGE, HELLO = sys.argv[1:3]
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
+TIM2_OFF_PPM = (1000 / 84 - 1) * 1e6  # 1 GHz instead of 84 MHz
+
+
+def clock_off_ppm(said):
+    return next(item['value'] for item in said['self_test'] if item['check'] == 'clock')
 
 
 class Machine:
@@ -60,6 +65,10 @@ class BootsOnNetduinoplus2(unittest.TestCase):
     def setUpClass(cls):
         with Machine() as machine:
             cls.code, cls.said = machine.hello()
+            cls.clock_off_ppm = [clock_off_ppm(cls.said)]
+            # A QEMU that has to wait for its turn delivers SysTick's interrupts late, never early.
+            while min(cls.clock_off_ppm) > 1.01 * TIM2_OFF_PPM and len(cls.clock_off_ppm) < 20:
+                cls.clock_off_ppm.append(clock_off_ppm(machine.hello()[1]))
             cls.accesses = machine.bad_accesses()
         print(json.dumps(cls.said, indent=1))
         cls.test = {item['check']: item for item in cls.said['self_test']}
@@ -91,9 +100,7 @@ class BootsOnNetduinoplus2(unittest.TestCase):
         self.assertEqual(len(self.said['log']), 6, self.said['log'])
 
     def test_systick_and_tim2_are_timed_against_each_other(self):
-        # 1 GHz instead of 84 MHz: off by 1000 / 84 - 1.
-        expected = (1000 / 84 - 1) * 1e6
-        self.assertAlmostEqual(self.test['clock']['value'], expected, delta=0.01 * expected)
+        self.assertAlmostEqual(min(self.clock_off_ppm), TIM2_OFF_PPM, delta=0.01 * TIM2_OFF_PPM)
 
     def test_nothing_is_touched_that_no_stm32f405_has(self):
         self.assertNotIn('Invalid', self.accesses)
