@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "host/inspect/judge_faces.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -49,6 +50,28 @@ Verdict judge_against_datums(const Solid& model, const std::vector<FaceOutline>&
     out.criteria.push_back(*found);
   }
   return verdict;
+}
+
+// If the whole of a wrong distance were this face's, with its tilt and form on top: is it within its limits?
+// Then the criteria that the pose left open are decided by that.
+bool passes_whichever_moved(const FaceInspection& face, double distance, double U, Rule rule,
+                            std::vector<Criterion>& criteria) {
+  if (std::abs(face.offset_mm) > std::abs(distance) + U) return false;
+  criteria = face.criteria;
+  for (Criterion& criterion : criteria) {
+    if (criterion.verdict != Verdict::undecided) continue;
+    const bool is_profile = criterion.name == "profile";
+    if (!is_profile && criterion.name != "offset") return false;
+    const double on_top = is_profile ? std::max(0.0, face.profile_mm - std::abs(face.offset_mm)) : 0;
+    const double U_on_top =
+        is_profile ? std::sqrt(std::max(0.0, std::pow(face.U_profile_mm, 2) - std::pow(face.U_offset_mm, 2)))
+                   : 0;
+    criterion.deviation = std::copysign(std::abs(distance) + on_top, criterion.deviation);
+    criterion.U = std::hypot(U, U_on_top);
+    criterion.verdict = decide(criterion.deviation, criterion.U, criterion.limit, rule);
+    if (criterion.verdict != Verdict::pass) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -118,6 +141,10 @@ void judge_distances(const Solid& model, const Tolerances& tolerances, std::vect
         return face.verdict == Verdict::undecided || face.candidate_with > 0;
       };
       if (!open(faces[a]) || !open(faces[b])) continue;
+      // Undecided for its own deviations, not for a datum that was not measured.
+      const auto is_undecided_by_criterion = [](const FaceInspection& face) {
+        return face.verdict == Verdict::undecided && face.reason.empty();
+      };
       const double cosine = first.normal.dot(second.normal);
       if (std::abs(cosine) < 1 - 1e-8) continue;
       // Moving the part adds to one what it takes from the other (opposed faces), or adds to both alike.
@@ -125,7 +152,21 @@ void judge_distances(const Solid& model, const Tolerances& tolerances, std::vect
           cosine < 0 ? faces[a].offset_mm + faces[b].offset_mm : faces[a].offset_mm - faces[b].offset_mm;
       const double limit = offset_limit(tolerances.of(first)) + offset_limit(tolerances.of(second));
       const double U = 2 * std::hypot(faces[a].u_offset_own_mm, faces[b].u_offset_own_mm);
-      if (limit > 1e200 || decide(distance, U, limit, rule) != Verdict::fail) continue;
+      if (limit > 1e200) continue;
+      std::vector<Criterion> of_first, of_second;
+      if (is_undecided_by_criterion(faces[a]) && is_undecided_by_criterion(faces[b]) &&
+          passes_whichever_moved(faces[a], distance, U, rule, of_first) &&
+          passes_whichever_moved(faces[b], distance, U, rule, of_second)) {
+        faces[a].criteria = std::move(of_first);
+        faces[b].criteria = std::move(of_second);
+        for (const auto& [one, other] : {std::pair{a, b}, std::pair{b, a}}) {
+          conclude_criteria(faces[one]);
+          faces[one].reason = "judged as if all of the wrong distance to face " +
+                              std::to_string(faces[other].model_id) + " were its own";
+        }
+        continue;
+      }
+      if (decide(distance, U, limit, rule) != Verdict::fail) continue;
       for (const auto& [one, other] : {std::pair{a, b}, std::pair{b, a}}) {
         FaceInspection& face = faces[one];
         face.candidate_with = faces[other].model_id;

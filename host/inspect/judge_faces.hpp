@@ -19,8 +19,9 @@ void judge_face(FaceInspection& face, const FaceTolerance& tolerance, Rule rule,
 void conclude_criteria(FaceInspection& face);
 
 // Two parallel faces whose own verdicts the pose leaves open, as nothing else holds the part along their
-// normal: the distance between them needs no pose. If no placing of the part puts both within their limits,
-// both fail, each named as a candidate.
+// normal: the distance between them needs no pose. If each would be within its limits even if all of the
+// wrong distance were its own, both pass; if no placing of the part puts both within their limits, both fail,
+// each named as a candidate.
 void judge_distances(const Solid& model, const Tolerances& tolerances, std::vector<FaceInspection>& faces,
                      Rule rule);
 

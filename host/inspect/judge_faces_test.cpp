@@ -103,6 +103,14 @@ TEST(Decide, AWrongDistanceFailsBothCandidates) {
     EXPECT_DOUBLE_EQ(wrong.faces[static_cast<size_t>(k)].decided_by->deviation, 0.4);
   }
   EXPECT_EQ(wrong.faces[2].verdict, Verdict::pass);
+  // Whichever of them is out by 0.06 is within 0.1, wherever the pose has put the two.
+  const Opposed right(0.03, 0.03);
+  EXPECT_EQ(right.faces[0].verdict, Verdict::pass);
+  EXPECT_EQ(right.faces[1].verdict, Verdict::pass);
+  EXPECT_DOUBLE_EQ(right.faces[0].decided_by->deviation, 0.06);
+  // Not where one is out by more than their distance tells: that is no question of the pose.
+  const Opposed apart(0.09, -0.09);
+  EXPECT_EQ(apart.faces[0].verdict, Verdict::undecided);
   // 0.15 + 0.04 is within what the two may be off together; shifting the part between them changes nothing.
   for (const double shift : {0.0, 0.3, -0.3}) {
     const Opposed fits(0.15 + shift, 0.04 - shift);
