@@ -365,7 +365,9 @@ Tally good_parts(int runs, const Setting& setting) {
     const InspectionRun run =
         inspected(model, model, profile_tolerance(), 1000 + static_cast<uint64_t>(k), setting);
     Tally one;
-    one.runs = one.within = 1;
+    one.runs = 1;
+    // From some sides the slope under the staircase's overhang is hardly seen: rightly no pass, and no alarm.
+    one.within = run.inspection.verdict != Verdict::not_measured;
     one.passed = run.inspection.verdict == Verdict::pass;
     one.wrong_fail = run.inspection.verdict == Verdict::fail;
     if (!one.passed)
