@@ -83,7 +83,8 @@ struct Made {
     set_up.match.unmatched_model = {3, 4, 5};
     set_up.match.unmatched_measured = {3};
     set_up.match.equivalents = {{RigidTransform{rotation_from_degrees(0, 0, 180), Vec3(1, 2, 3)},
-                                 std::string(150, 'w') + " long words and " + std::string(40, 'x')}};
+                                 std::string(150, 'w') + " long words and " + std::string(40, 'x'),
+                                 {}}};
     set_up.match.undetermined = {{FreeDirection::Kind::translation, Vec3::UnitY(), Vec3::Zero()}};
     ExtraFace extra;
     extra.measured_id = 3;
