@@ -179,7 +179,8 @@ class Selector {
     }
     const double turn =
         2 * std::max({std::abs(solution[3]), std::abs(solution[4]), std::abs(solution[5])}) / scale;
-    // Beside a shallow crease a plane strip has up to half of its rim; a piece of a curve goes on at both sides.
+    // Beside a shallow crease a plane strip has up to half of its rim; a piece of a curve goes on at both
+    // sides.
     constexpr double kGoesOnBothSides = 0.5;
     // Gained by chance: 3 degrees of freedom, as in kSamePlaneChi2.
     const double vertex_sigma =
