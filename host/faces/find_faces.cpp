@@ -152,14 +152,6 @@ Result<MeasuredFaces> find_in_order(const Scan& scan, const Reconstruction& reco
   for (int round = 0; round < kRounds; ++round) {
     const FittedFaces rough = assign_points(scan, reconstruction, graph, regions, kFewPoints, kFewTurns);
     Selection selection = select_faces(scan, reconstruction, graph, rough);
-    if (selection.curved > 0) {
-      // Two faces at a small angle may by now have grown far enough into one to show their crease.
-      Regions creased = split_creased(scan, reconstruction, rough);
-      if (creased.planes.size() > rough.fits.size()) {
-        regions = std::move(creased);
-        continue;
-      }
-    }
     false_chamfers += selection.false_chamfers;
     regions = std::move(selection.regions);
     if (!selection.changed) break;

@@ -242,6 +242,39 @@ TEST(FindFaces, SphereHasNoPlaneFaces) {
   }
 }
 
+// Radius 25, 60 mm long, about z: two plane ends, and a side that is not to come out in strips.
+std::optional<double> hit_cylinder(const Vec3& o, const Vec3& d) {
+  constexpr double kRadius = 25, kLength = 60;
+  std::optional<double> best;
+  const auto offer = [&](double t, bool on_it) {
+    if (on_it && t > 0 && (!best || t < *best)) best = t;
+  };
+  for (const double z : {0.0, kLength}) {
+    const double t = (z - o.z()) / d.z();
+    offer(t, d.z() != 0 && (o + t * d).head<2>().norm() <= kRadius);
+  }
+  const double a = d.head<2>().squaredNorm(), b = o.head<2>().dot(d.head<2>()),
+               c = o.head<2>().squaredNorm() - kRadius * kRadius;
+  if (a > 0 && b * b >= a * c) {
+    const double t = (-b - std::sqrt(b * b - a * c)) / a, z = o.z() + t * d.z();
+    offer(t, z >= 0 && z <= kLength);
+  }
+  return best;
+}
+
+TEST(FindFaces, CylinderHasTwoPlaneFaces) {
+  for (const auto& [pitch, sigma] :
+       {std::pair{3.0, 0.05}, {2.0, 0.01}, {2.0, 0.05}, {1.5, 0.02}, {1.0, 0.02}}) {
+    ScanPlan plan;
+    plan.centre = Vec3(0, 0, 30);
+    plan.half_width_mm = 45;
+    plan.pitch_mm = pitch;
+    plan.sigma_mm = sigma;
+    EXPECT_EQ(faces_of(synthetic::scan_part(hit_cylinder, plan)).faces().size(), 2u)
+        << "pitch " << pitch << ", sigma " << sigma;
+  }
+}
+
 struct PrismCase {
   const char* name;
   std::vector<Eigen::Vector2d> polygon;  // (x, z), mm

@@ -65,10 +65,8 @@ class Selector {
       const bool chamfer = is_false_chamfer(f);
       const bool narrow =
           width_mm(scan_, fitted_.fits[f], members_[f]) < kPlaneSpacings * reconstruction_.point_spacing_mm;
-      const bool curved = !chamfer && !narrow && is_curved(f);
-      if (!chamfer && !narrow && !curved) continue;
+      if (!chamfer && !narrow && !is_curved(f)) continue;
       if (chamfer) ++selection.false_chamfers;
-      if (curved) ++selection.curved;
       becomes_[f] = kNoRegion;
     }
     selection.regions = regions_left(selection.changed);

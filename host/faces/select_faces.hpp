@@ -10,7 +10,6 @@ struct Selection {
   Regions regions;  // what is left, to be fitted again if anything changed
   bool changed = false;
   size_t false_chamfers = 0;
-  size_t curved = 0;  // dropped as pieces of curved surface
 };
 
 // Unites neighbours on one plane; drops strips narrower than the spacing can resolve, false chamfers (all
