@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "host/inspect/face_inspection.hpp"
-#include "host/inspect/face_outline.hpp"
+#include "host/solid/face_outline.hpp"
 
 namespace tetragauge {
 

@@ -3,8 +3,8 @@
 // (they stop short), whatever its shape: a pocket, a hole, a boss that the model does not have.
 #pragma once
 
-#include "host/inspect/face_outline.hpp"
 #include "host/inspect/join_set_ups.hpp"
+#include "host/solid/face_outline.hpp"
 
 namespace tetragauge {
 

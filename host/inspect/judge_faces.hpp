@@ -3,7 +3,7 @@
 #pragma once
 
 #include "host/inspect/decide.hpp"
-#include "host/inspect/face_outline.hpp"
+#include "host/solid/face_outline.hpp"
 
 namespace tetragauge {
 

@@ -2,8 +2,8 @@
 // Features of the right shape in the wrong place.
 #pragma once
 
-#include "host/inspect/face_outline.hpp"
 #include "host/inspect/inspect.hpp"
+#include "host/solid/face_outline.hpp"
 
 namespace tetragauge {
 

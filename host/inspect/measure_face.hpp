@@ -3,8 +3,8 @@
 #pragma once
 
 #include "host/inspect/cast_scan.hpp"
-#include "host/inspect/face_outline.hpp"
 #include "host/inspect/part_pose.hpp"
+#include "host/solid/face_outline.hpp"
 
 namespace tetragauge {
 

@@ -2,9 +2,9 @@
 // Every model face in turn: its raw points and its deviations; and what was measured beside the model.
 #pragma once
 
-#include "host/inspect/face_outline.hpp"
 #include "host/inspect/join_set_ups.hpp"
 #include "host/inspect/part_pose.hpp"
+#include "host/solid/face_outline.hpp"
 
 namespace tetragauge {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "host/inspect/face_outline.hpp"
+#include "host/solid/face_outline.hpp"
 
 #include <algorithm>
 #include <cmath>
