@@ -26,7 +26,7 @@ template <class Enumeration>
 bool known(const Enumeration& field, Enumeration last) {
   unsigned int value = 0;
   static_assert(sizeof field <= sizeof value);  // one byte on ARM; both ends are little-endian
-  std::memcpy(&value, &field, sizeof value);
+  std::memcpy(&value, &field, sizeof field);
   return value <= static_cast<unsigned int>(last);
 }
 

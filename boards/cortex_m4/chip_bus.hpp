@@ -18,8 +18,9 @@ struct ChipBus {
   static uint32_t address_of(const volatile void* memory) {
     return static_cast<uint32_t>(reinterpret_cast<uintptr_t>(memory));
   }
-  // All that was written is there before anything after it; memory that DMA has filled is read again.
-  static void barrier() { __asm__ volatile("dsb" ::: "memory"); }
+  // All that was written is there, and has had its effect, before anything after it; memory that DMA has
+  // filled is read again.
+  static void barrier() { __asm__ volatile("dsb\n isb" ::: "memory"); }
 
   // No interrupt between the two; nests.
   static uint32_t close_gate() {

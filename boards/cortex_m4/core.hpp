@@ -29,6 +29,8 @@ template <uint32_t kNumber>
 struct Interrupt {
   using Iser = Register<0xE000E100 + 4 * (kNumber / 32)>;
   static constexpr Field<Iser, kNumber % 32> kEnable{};
+  using Ispr = Register<0xE000E200 + 4 * (kNumber / 32)>;
+  static constexpr Field<Ispr, kNumber % 32> kPend{};
   using Ipr = Register<0xE000E400 + 4 * (kNumber / 4)>;
   static constexpr Field<Ipr, 8 * (kNumber % 4), 8> kPriority{};
 };
@@ -37,6 +39,13 @@ template <class Bus, uint32_t kNumber>
 void enable_interrupt(uint32_t priority) {
   Io<Bus>::modify(Interrupt<kNumber>::kPriority(priority << 4));
   Io<Bus>::write(Interrupt<kNumber>::kEnable(1));
+}
+
+// By the program itself: its handler has run when this returns, unless it is held back.
+template <class Bus, uint32_t kNumber>
+void pend_interrupt() {
+  Io<Bus>::write(Interrupt<kNumber>::kPend(1));
+  Bus::barrier();
 }
 
 // `every` cycles of the core, at most 2^24.

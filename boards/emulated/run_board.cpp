@@ -3,17 +3,13 @@
 
 #include <algorithm>
 #include <chrono>
-#include <memory>
 #include <thread>
-
-#include "firmware/controller.hpp"
 
 namespace tetragauge {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
-using Firmware = Controller<EmulatedBoard>;
 
 // How long one wait may keep `stop` from being seen.
 constexpr int kWaitSlice_ms = 50;
@@ -48,43 +44,19 @@ class Pace {
   uint64_t start_ns_ = 0;
 };
 
-void dispatch(Firmware& firmware, EmulatedBoard::Event event) {
-  switch (event) {
-    case EmulatedBoard::Event::table_step:
-      firmware.on_step_timer(Axis::kTable);
-      break;
-    case EmulatedBoard::Event::slide_step:
-      firmware.on_step_timer(Axis::kSlide);
-      break;
-    case EmulatedBoard::Event::interlock:
-      firmware.on_interlock();
-      break;
-    case EmulatedBoard::Event::alarm:
-      firmware.on_alarm();
-      break;
-    case EmulatedBoard::Event::samples:
-      firmware.on_samples();
-      break;
-    case EmulatedBoard::Event::none:
-      break;
-  }
-}
-
-void trace(const EmulatedBoard& board, const Firmware& firmware) {
+void trace(const EmulatedBoard& board, const BoardFirmware& firmware) {
   if (board.trace() == nullptr) return;
-  const bool scanning =
-      firmware.state() == tg_State_STATE_SCANNING || firmware.state() == tg_State_STATE_PAUSED;
-  board.trace()->machine(board.now_ns(),
-                         {firmware.state(), firmware.fault(), scanning ? firmware.view() + 1 : 0});
+  Trace::Seen seen = firmware.seen();
+  if (seen.state != tg_State_STATE_SCANNING && seen.state != tg_State_STATE_PAUSED) seen.view = 0;
+  board.trace()->machine(board.now_ns(), seen);
 }
 
 }  // namespace
 
-void run_board(EmulatedBoard& board, HostLine& line, const std::atomic<bool>& stop,
-               const PaceOptions& options) {
-  auto firmware = std::make_unique<Firmware>(board);
-  firmware->begin();
-  trace(board, *firmware);
+Status run_board(EmulatedBoard& board, BoardFirmware& firmware, HostLine& line, const std::atomic<bool>& stop,
+                 const PaceOptions& options) {
+  if (const Status started = firmware.start(); !started) return started;
+  trace(board, firmware);
   Pace pace(options.speed.value_or(1.0)), silent_pace(1.0);
   bool silent = false;
   auto waiting_since = Clock::now();
@@ -95,31 +67,30 @@ void run_board(EmulatedBoard& board, HostLine& line, const std::atomic<bool>& st
       case EmulatedBoard::Restart::no:
         break;
       case EmulatedBoard::Restart::firmware:
-        firmware = std::make_unique<Firmware>(board);
-        firmware->begin();
-        trace(board, *firmware);
+        if (const Status started = firmware.start(); !started) return started;
+        trace(board, firmware);
         break;
       case EmulatedBoard::Restart::bootloader:
-        return;  // gone until somebody starts it again
+        return Done{};  // gone until somebody starts it again
     }
     // A machine that rests lets time stand still, unless the line is at work, or has lost what the host can
     // learn from the next heartbeat alone.
     EmulatedBoard::Due due = board.next_event();
     const uint64_t line_ns = line.next_event_ns(board.now_ns());
-    const uint64_t poll_ns = std::max(firmware->next_poll_ns(), board.now_ns());
+    const uint64_t poll_ns = std::max(firmware.next_poll_ns(), board.now_ns());
     const uint64_t next_ns = std::min({due.time_ns, poll_ns, line_ns});
     const bool resting = next_ns == EmulatedBoard::kNever ||
-                         (firmware->resting() && line_ns == EmulatedBoard::kNever && !line.host_lacks_news());
+                         (firmware.resting() && line_ns == EmulatedBoard::kNever && !line.host_lacks_news());
     const bool waiting =
-        resting || line.host_owes_answer() || (firmware->resting() && line.host_knows_of_gap());
+        resting || line.host_owes_answer() || (firmware.resting() && line.host_knows_of_gap());
     if (!waiting) silent = false;
     if (waiting && !was_waiting) waiting_since = Clock::now();
     was_waiting = waiting;
 
     if (waiting && !silent) {
       if (line.wait_for_bytes(kWaitSlice_ms, board.now_ns())) {
-        firmware->poll();
-        trace(board, *firmware);
+        if (const Status run = firmware.take_bytes(); !run) return run;
+        trace(board, firmware);
         was_waiting = false;  // the next wait, if any, is a new one
         pace.restart(board.now_ns());
         continue;
@@ -140,22 +111,23 @@ void run_board(EmulatedBoard& board, HostLine& line, const std::atomic<bool>& st
           std::this_thread::sleep_for(wait);
         } else if (line.wait_for_bytes(static_cast<int>(wait.count()), board.now_ns())) {
           silent = false;
-          firmware->poll();
-          trace(board, *firmware);
+          if (const Status run = firmware.take_bytes(); !run) return run;
+          trace(board, firmware);
         }
         continue;
       }
     }
     if (due.time_ns == next_ns) {
       board.take(due);
-      dispatch(*firmware, due.event);
     } else {
       board.advance_to(next_ns);
+      due.event = EmulatedBoard::Event::none;
     }
     line.deliver(board.now_ns());
-    firmware->poll();
-    trace(board, *firmware);
+    if (const Status run = firmware.run(due.event); !run) return run;
+    trace(board, firmware);
   }
+  return Done{};
 }
 
 }  // namespace tetragauge

@@ -13,7 +13,7 @@
 #include <atomic>
 #include <optional>
 
-#include "boards/emulated/emulated_board.hpp"
+#include "boards/emulated/board_firmware.hpp"
 
 namespace tetragauge {
 
@@ -22,9 +22,10 @@ struct PaceOptions {
   int silence_after_ms = 5000;
 };
 
-// Until the host goes, `stop` is set, or the firmware was sent into its bootloader. A reboot starts a new
-// firmware. A machine whose host has gone switches the laser off by its own time-out; here it simply ends.
-void run_board(EmulatedBoard& board, HostLine& line, const std::atomic<bool>& stop,
-               const PaceOptions& pace = {});
+// Until the host goes, `stop` is set, or the firmware was sent into its bootloader; an error when the
+// firmware cannot be run any more. A reboot starts it anew. A machine whose host has gone switches the laser
+// off by its own time-out; here it simply ends.
+Status run_board(EmulatedBoard& board, BoardFirmware& firmware, HostLine& line, const std::atomic<bool>& stop,
+                 const PaceOptions& pace = {});
 
 }  // namespace tetragauge

@@ -18,7 +18,9 @@
 
 #include "boards/emulated/file_storage.hpp"
 #include "boards/emulated/listen.hpp"
+#include "boards/emulated/native_firmware.hpp"
 #include "boards/emulated/run_board.hpp"
+#include "boards/mps2_an386/qemu_firmware.hpp"
 #include "firmware/hal/memory_storage.hpp"
 #include "host/solid/solid.hpp"
 #include "sim/read_world.hpp"
@@ -33,7 +35,8 @@ void ask_to_stop(int) {
 }
 
 struct Options {
-  std::string part, listen = "pty", speed = "max", place, world, store, faults, trace;
+  std::string part, board = "emulated", listen = "pty", speed = "max", place, world, store, faults, trace,
+                    work;
   uint64_t seed = 1;
   bool one_host = false, own_folder = false;
 };
@@ -57,6 +60,13 @@ Result<PaceOptions> pace_of(const std::string& speed) {
     return usage_error("--speed " + speed + ": must be max, or how often faster than real time (1)");
   }
   return PaceOptions{.speed = factor};
+}
+
+// As the build lays them out: bin/tetragauge-emulator, images/BOARD/tetragauge-BOARD.elf.
+std::filesystem::path image_beside_this_program() {
+  std::error_code ignored;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", ignored);
+  return self.parent_path().parent_path() / "images/mps2_an386/tetragauge-mps2_an386.elf";
 }
 
 Status run(const Options& options) {
@@ -105,6 +115,13 @@ Status run(const Options& options) {
     trace = *std::move(opened);
   }
 
+  std::unique_ptr<QemuProcess> qemu;
+  if (options.board == "mps2_an386") {
+    auto started = QemuProcess::start(image_beside_this_program());
+    if (!started) return started.error();
+    qemu = *std::move(started);
+  }
+
   const auto listening = start_listening(options.listen);
   if (!listening) return listening.error();
   at_end.socket = listening->socket_path;
@@ -116,8 +133,15 @@ Status run(const Options& options) {
                 faults);
   sim::World world(setup, *standing, options.seed);
   EmulatedBoard board(world, line, store, std::random_device{}(), trace.get());
-  run_board(board, line, stop_asked, *pace);
-  return trace ? trace->close() : Status(Done{});
+  std::unique_ptr<BoardFirmware> firmware;
+  if (qemu) {
+    firmware = std::make_unique<QemuFirmware>(board, store, std::move(qemu));
+  } else {
+    firmware = std::make_unique<NativeFirmware>(board);
+  }
+  const Status ran = run_board(board, *firmware, line, stop_asked, *pace);
+  const Status traced = trace ? trace->close() : Status(Done{});
+  return ran ? traced : ran;
 }
 
 int emulator_main(int argc, char** argv) {
@@ -125,6 +149,10 @@ int emulator_main(int argc, char** argv) {
       "tetragauge-emulator: the measuring machine without hardware. Prints the device a host opens."};
   Options options;
   app.add_option("--part", options.part, "model of the part as really made (.step .stp .csg)")->required();
+  app.add_option("--board", options.board,
+                 "emulated, or mps2_an386: the firmware as code for a Cortex-M4F, run by QEMU")
+      ->check(CLI::IsMember({"emulated", "mps2_an386"}))
+      ->capture_default_str();
   app.add_option("--listen", options.listen, "unix:PATH, tcp:PORT or pty")->capture_default_str();
   app.add_option("--speed", options.speed, "max, or virtual seconds per second")->capture_default_str();
   app.add_option("--seed", options.seed, "of all noise")->capture_default_str();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The image for the STM32-H405: the board, the controller on it, and the interrupts that join them.
+#include "boards/cortex_m4/in_place.hpp"
 #include "boards/cortex_m4/startup.hpp"
 #include "boards/stm32_h405/interrupts.hpp"
 #include "boards/stm32_h405/stm32_board.hpp"
@@ -22,29 +23,13 @@ void restart(bool into_bootloader) {
   reset_chip();
 }
 
-// No <new>: both are built in place, at their time and in their order.
-struct InPlace {
-  unsigned char* at;
-};
-template <class T>
-struct Place {
-  alignas(T) unsigned char bytes[sizeof(T)];
-  T& operator*() { return *reinterpret_cast<T*>(bytes); }
-  T* operator->() { return reinterpret_cast<T*>(bytes); }
-};
+// Built in place, at their time and in their order.
 constinit Place<ImageBoard> board = {};
 constinit Place<Firmware> firmware = {};
 // Something has happened that the main loop should look at.
 volatile bool woken;
 
 }  // namespace
-}  // namespace tetragauge
-
-void* operator new(size_t, tetragauge::InPlace place) noexcept {
-  return place.at;
-}
-
-namespace tetragauge {
 
 // A reset stops the watchdog, so the bootloader has all the time it needs. AN2606, STM32F40xxx: system memory
 // at 1FFF0000 begins with its stack and its start. From here the chip is as after a reset, which is what it
