@@ -42,6 +42,7 @@ extern const char* const kVersion;
 
 void add_measure(CLI::App& app, Console& console, Run& run);
 void add_scan(CLI::App& app, Console& console, Run& run);
+void add_plan(CLI::App& app, Console& console, Run& run);
 void add_simulate(CLI::App& app, Console& console, Run& run);
 void add_reconstruct(CLI::App& app, Console& console, Run& run);
 void add_faces(CLI::App& app, Console& console, Run& run);

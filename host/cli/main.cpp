@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
       "5 undecided or not enough measured, 70 internal error.");
   cli::add_measure(app, console, run);
   cli::add_scan(app, console, run);
+  cli::add_plan(app, console, run);
   cli::add_simulate(app, console, run);
   cli::add_reconstruct(app, console, run);
   cli::add_faces(app, console, run);

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "host/base/result.hpp"
@@ -33,5 +34,8 @@ struct ScanPlan {
 
 // Errors name file and place, e.g. "plan.json: views[3].slide_mm = 340 is beyond ...".
 Result<ScanPlan> read_plan(const std::filesystem::path& path);
+
+// As read_plan() reads it: the same plan again, a view a line.
+std::string plan_json(const ScanPlan& plan);
 
 }  // namespace tetragauge

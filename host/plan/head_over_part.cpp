@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/plan/head_over_part.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/optics/galvo.hpp"
+#include "firmware/optics/psd_camera.hpp"
+#include "firmware/optics/stage.hpp"
+
+namespace tetragauge {
+namespace {
+
+constexpr double kClearance_mm = 0.01;  // above what the triangles err by, below the size of the spot
+// A spot near the detector's edge is cut off there.
+constexpr double kUsedShareOfDetector = 0.98;
+
+Vector3<double> optics_vector(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+double angle_of_cosine(double cosine) {
+  return std::acos(std::clamp(cosine, -1.0, 1.0));
+}
+
+}  // namespace
+
+HeadOverPart::HeadOverPart(const PlanningMachine& machine, const RigidTransform& T_part_model,
+                           double table_deg, double slide_mm)
+    : machine_(machine),
+      T_machine_model_(T_machine_part(machine.head, table_deg, slide_mm) * T_part_model),
+      T_model_machine_(T_machine_model_.inverse()),
+      T_part_model_(T_part_model),
+      mirror_mm_(beam(0, 0).origin_mm) {
+  for (size_t k = 0; k < 2; ++k) {
+    const Vector3<double>& centre = machine.geometry.camera[k].centre;
+    camera_mm_[k] = T_model_machine_ * Vec3(centre.x, centre.y, centre.z);
+  }
+}
+
+MachineRay HeadOverPart::beam(int32_t a_urad, int32_t b_urad) const {
+  const MachineRay ray = ray_of_mirrors(machine_.head, a_urad, b_urad);
+  return {T_model_machine_ * ray.origin_mm, T_model_machine_.R * ray.direction};
+}
+
+bool HeadOverPart::in_volume(const Vec3& spot_mm) const {
+  return inside(machine_.geometry.volume, optics_vector(T_part_model_ * spot_mm));
+}
+
+void HeadOverPart::ask_cameras(const RayCaster& caster, const Vec3& spot_mm, const Vec3& normal,
+                               SpotSight& sight) const {
+  const Vector3<double> at = optics_vector(T_machine_model_ * spot_mm);
+  bool any_in_sight = false;
+  double best_cosine = -1;
+  for (size_t k = 0; k < 2; ++k) {
+    const CameraGeometry<double>& camera = machine_.geometry.camera[k];
+    const double cosine = normal.dot((camera_mm_[k] - spot_mm).normalized());
+    if (cosine <= std::cos(kGrazing_rad)) continue;
+    bool in_view = false;
+    const DetectorPosition<double> image = project(camera, at, &in_view);
+    const double edge = kUsedShareOfDetector * camera.half_size_mm;
+    if (!in_view || std::abs(image.x_mm) > edge || std::abs(image.y_mm) > edge) continue;
+    any_in_sight = true;
+    if (caster.occluded(spot_mm, camera_mm_[k], kClearance_mm)) continue;
+    ++sight.cameras;
+    best_cosine = std::max(best_cosine, cosine);
+  }
+  sight.obstacle = sight.cameras > 0 ? Obstacle::none
+                   : any_in_sight    ? Obstacle::cameras_blocked
+                                     : Obstacle::out_of_sight;
+  if (sight.cameras > 0) sight.camera_incidence_rad = angle_of_cosine(best_cosine);
+}
+
+SpotSight HeadOverPart::look_at(const RayCaster& caster, const Vec3& spot_mm, const Vec3& normal) const {
+  SpotSight sight;
+  // Where a beam leaves moves by millimetres with the mirrors' angles.
+  if (normal.dot((mirror_mm_ - spot_mm).normalized()) <= std::cos(kGrazing_rad)) return sight;
+  sight.obstacle = Obstacle::out_of_reach;
+  const MirrorAngles<double> aim =
+      aim_mirrors(machine_.head.galvo, optics_vector(T_machine_model_ * spot_mm));
+  const double limit = machine_.head.mirror_limit_urad * 1e-6;
+  if (!aim.reached || std::abs(aim.a_rad) > limit || std::abs(aim.b_rad) > limit) return sight;
+  if (!in_volume(spot_mm)) return sight;
+  sight.a_urad = static_cast<int32_t>(std::lround(1e6 * aim.a_rad));
+  sight.b_urad = static_cast<int32_t>(std::lround(1e6 * aim.b_rad));
+  const MachineRay ray = beam(sight.a_urad, sight.b_urad);
+  sight.beam_incidence_rad = angle_of_cosine(-normal.dot(ray.direction));
+  ask_cameras(caster, spot_mm, normal, sight);
+  if (sight.obstacle != Obstacle::out_of_sight && caster.occluded(ray.origin_mm, spot_mm, kClearance_mm))
+    sight.obstacle = Obstacle::beam_blocked;
+  return sight;
+}
+
+SpotSight HeadOverPart::look_along(const RayCaster& caster, const MachineRay& ray, const RayHit& hit) const {
+  SpotSight sight;
+  const double cosine = -hit.normal.dot(ray.direction);
+  if (cosine <= std::cos(kGrazing_rad)) return sight;
+  sight.obstacle = Obstacle::out_of_reach;
+  if (!in_volume(hit.point_mm)) return sight;
+  sight.beam_incidence_rad = angle_of_cosine(cosine);
+  ask_cameras(caster, hit.point_mm, hit.normal, sight);
+  return sight;
+}
+
+}  // namespace tetragauge
