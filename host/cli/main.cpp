@@ -42,6 +42,7 @@ int main(int argc, char** argv) {
   cli::add_model(app, console, run);
   cli::add_match(app, console, run);
   cli::add_inspect(app, console, run);
+  cli::add_history(app, console, run);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {  // --help, --version
