@@ -223,6 +223,7 @@ TEST_F(HistoryTest, TwoProgramsAddAtOnce) {
 }
 
 TEST_F(HistoryTest, KilledAtAnyMomentLeavesWholeParts) {
+  ASSERT_TRUE(HistoryFile::open_to_add(file()));
   size_t before = 0;
   for (int round = 0; round < 12; ++round) {
     const pid_t pid = ::fork();
@@ -234,7 +235,6 @@ TEST_F(HistoryTest, KilledAtAnyMomentLeavesWholeParts) {
     ::usleep(static_cast<useconds_t>(15'000 + 3'517 * round));
     ::kill(pid, SIGKILL);
     ::waitpid(pid, nullptr, 0);
-    if (!fs::exists(file()) || fs::file_size(file()) == 0) continue;
     const std::vector<PartRecord> parts = read(file());
     EXPECT_GE(parts.size(), before) << "what was added stays";
     before = parts.size();
@@ -244,6 +244,23 @@ TEST_F(HistoryTest, KilledAtAnyMomentLeavesWholeParts) {
     }
   }
   EXPECT_GT(before, 0u);
+}
+
+TEST_F(HistoryTest, KilledWhileMakingTheFileLeavesOneToGoOnWith) {
+  for (int round = 0; round < 12; ++round) {
+    fs::remove(file());
+    const pid_t pid = ::fork();
+    if (pid == 0) {
+      (void)HistoryFile::open_to_add(file());
+      ::pause();
+    }
+    ::usleep(static_cast<useconds_t>(300 + 700 * round));
+    ::kill(pid, SIGKILL);
+    ::waitpid(pid, nullptr, 0);
+    auto opened = HistoryFile::open_to_add(file());
+    ASSERT_TRUE(opened) << opened.error().message;
+    EXPECT_EQ(opened->add(bracket("A")).value(), 1);
+  }
 }
 
 // A limit on the size of files stands for a disk that is full.
