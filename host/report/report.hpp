@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a person and a program read: report.json (schema tetragauge/report/1), report.txt, faces.csv,
-// deviation.ply.
+// What a person and a program read: report.json (schema tetragauge/report/1), report.html, report.txt,
+// faces.csv, deviation.ply.
 #pragma once
 
 #include <filesystem>
@@ -30,7 +30,8 @@ struct Report {
 };
 
 // The files of write_report, in the order in which they appear: the verdict last.
-inline constexpr std::array kReportFiles{"deviation.ply", "faces.csv", "report.json", "report.txt"};
+inline constexpr std::array kReportFiles{"deviation.ply", "faces.csv", "report.html", "report.json",
+                                         "report.txt"};
 
 // Makes the folder and writes the files; each appears whole.
 Status write_report(const std::filesystem::path& folder, const Report& report);

@@ -103,6 +103,7 @@ struct Made {
       scan.points.emplace_back(k, 2 * k, 0.5);
       scan.ray_origins.emplace_back(0, 0, 100);
       scan.sigma_mm.push_back(0.02f);
+      scan.view.push_back(0);
       inspection.point_deviation_mm.push_back(0.1f * static_cast<float>(k - 1));
       inspection.point_face.push_back(k);
     }

@@ -5,6 +5,7 @@
 
 #include "host/base/whole_file.hpp"
 #include "host/report/deviation_ply.hpp"
+#include "host/report/page/report_page.hpp"
 #include "host/report/report.hpp"
 
 namespace tetragauge {
@@ -39,7 +40,7 @@ Status write_report(const std::filesystem::path& folder, const Report& report) {
     return bad_input(folder.string() + ": the folder cannot be made (" + error.message() +
                      "); give another one with --out");
   const std::array contents{deviation_ply(report, colour_scale_mm(report)), faces_csv(report),
-                            report_json(report).dump(2) + "\n", report_text(report)};
+                            report_page(report), report_json(report).dump(2) + "\n", report_text(report)};
   for (size_t k = 0; k < contents.size(); ++k)
     if (Status status = write_whole_file(folder / kReportFiles[k], contents[k]); !status) return status;
   return Done{};

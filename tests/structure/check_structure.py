@@ -54,7 +54,7 @@ ONLY_IN = {
 }
 LICENCES = [('host/', 'GPL-3.0-or-later'), ('sim/', 'GPL-3.0-or-later'), ('tests/', 'GPL-3.0-or-later'),
             ('protocol/', 'Apache-2.0'), ('firmware/', 'Apache-2.0'), ('boards/', 'Apache-2.0')]
-SOURCE = ('.cpp', '.hpp', '.c', '.h', '.py', '.proto', '.cmake', '.scad', '.s', '.S', '.ld', '.sh')
+SOURCE = ('.cpp', '.hpp', '.c', '.h', '.py', '.proto', '.cmake', '.scad', '.s', '.S', '.ld', '.sh', '.js', '.css')
 
 
 def files(root):

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// For each view a picture of measured less model along the beams. Colours as everywhere: orange where material is in
+// excess (nearer than the model), blue where it is missing.
+import {kDiverging, colourAt} from './colours.js';
+import {html, number} from './elements.js';
+
+const kNoModel = [122, 31, 160];
+const kFrame = [20, 20, 20];
+
+function paint(canvas, image, fullColour, chosen) {
+  const context = canvas.getContext('2d');
+  const pixels = context.createImageData(image.width, image.height);
+  const at = (x, y) => (x < 0 || y < 0 || x >= image.width || y >= image.height ? 0 : image.faces[y * image.width + x]);
+  for (let y = 0; y < image.height; ++y) {
+    for (let x = 0; x < image.width; ++x) {
+      const k = y * image.width + x;
+      const beyond = image.beyond[k];
+      if (beyond === Infinity) continue;
+      let colour = beyond === -Infinity ? kNoModel : colourAt(kDiverging, -beyond / fullColour);
+      const isRim = chosen && image.faces[k] === chosen && (at(x - 1, y) !== chosen || at(x + 1, y) !== chosen || at(x, y - 1) !== chosen || at(x, y + 1) !== chosen);
+      if (isRim) colour = kFrame;
+      pixels.data.set([...colour, 255], 4 * k);
+    }
+  }
+  context.putImageData(pixels, 0, 0);
+}
+
+export function rangeImages(section, data, selection, scale) {
+  if (!data.images.length) return;
+  const severalScans = data.images.some((image) => image.scan > 1);
+  const repaints = [];
+  const figures = data.images.map((image) => {
+    const canvas = html('canvas', {width: image.width, height: image.height, role: 'img'});
+    const name = `${severalScans ? `Scan ${image.scan}, view` : 'View'} ${image.view}`;
+    const numbers = `mean ${number(image.mean_mm, 3, true)}, rms ${number(image.rms_mm, 3)} mm, ${image.rays} rays`;
+    canvas.setAttribute('aria-label', `${name}: ${numbers}`);
+    const off = image.rays - image.on_model;
+    const caption = html('figcaption', {}, html('b', {}, name), html('br'), numbers, off ? html('span', {class: 'quiet'}, `, ${off} where the model has nothing`) : null);
+    const pixelAt = (event) => {
+      const box = canvas.getBoundingClientRect();
+      const x = Math.floor(((event.clientX - box.left) / box.width) * image.width);
+      const y = Math.floor(((event.clientY - box.top) / box.height) * image.height);
+      return Math.min(image.height - 1, Math.max(0, y)) * image.width + Math.min(image.width - 1, Math.max(0, x));
+    };
+    canvas.addEventListener('pointermove', (event) => {
+      const k = pixelAt(event);
+      const beyond = image.beyond[k];
+      canvas.title = beyond === Infinity ? '' : beyond === -Infinity ? 'a point where the model has nothing' : `face ${image.faces[k]}: ${number(beyond, 3, true)} mm`;
+    });
+    canvas.addEventListener('click', (event) => selection.choose(image.faces[pixelAt(event)], 'view'));
+    const repaint = () => paint(canvas, image, scale.fullColour, selection.id);
+    repaint();
+    repaints.push(repaint);
+    return html('figure', {class: 'view'}, canvas, caption);
+  });
+  section.replaceChildren(html('h2', {}, 'Range errors, view by view'),
+    html('p', {}, 'Measured less model along each beam, as the machine saw the part; + is farther than the model. Orange: nearer, material in excess. Blue: farther, material missing. Purple: a point where the model has nothing. Colours as in the picture of the part; about the rims of faces single beams slip past an edge.'),
+    html('div', {class: 'views'}, figures));
+  const all = () => repaints.forEach((repaint) => repaint());
+  selection.listen(all);
+  scale.listen(all);
+}

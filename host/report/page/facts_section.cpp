@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/report/page/html_number.hpp"
+#include "host/report/page/html_text.hpp"
+#include "host/report/page/page_sections.hpp"
+#include "host/report/print_text.hpp"
+
+namespace tetragauge {
+namespace {
+
+using nlohmann::ordered_json;
+
+// A name or a number as it is, a file with its hash, a list or a block as its JSON.
+std::string value_html(const ordered_json& value) {
+  if (value.is_string()) return html_text(value.get<std::string>());
+  if (value.is_object() && value.contains("sha256"))
+    return html_text(value.value("name", std::string())) + " <span class=\"hash\">sha256&nbsp;" +
+           html_text(value.value("sha256", std::string())) + "</span>";
+  return html_text(value.dump());
+}
+
+// Key "u_cal_mm" as "u cal, mm".
+std::string label(std::string key) {
+  for (const char* unit : {"_mm3", "_mm2", "_mm5", "_mm", "_mrad", "_deg", "_s"}) {
+    const std::string end = unit;
+    if (key.size() > end.size() && key.ends_with(end)) {
+      key = key.substr(0, key.size() - end.size()) + ", " + end.substr(1);
+      break;
+    }
+  }
+  for (char& c : key)
+    if (c == '_') c = ' ';
+  return key;
+}
+
+std::string facts(const ordered_json& block) {
+  std::string out = "<dl>";
+  for (const auto& [key, value] : block.items()) {
+    const bool is_empty = value.is_null() || (value.is_string() && value.get<std::string>().empty());
+    if (!is_empty)
+      out += "<div><dt>" + html_text(label(key)) + "</dt><dd>" + value_html(value) + "</dd></div>\n";
+  }
+  return out + "</dl>\n";
+}
+
+// A list of objects as a table, a column for each key: the rounds of re-measurement.
+std::string list_table(const ordered_json& list) {
+  std::string out = "<div class=\"scroll\"><table><thead><tr>";
+  for (const auto& [key, value] : list.front().items())
+    out += "<th scope=\"col\">" + html_text(label(key)) + "</th>";
+  out += "</tr></thead><tbody>\n";
+  for (const ordered_json& entry : list) {
+    out += "<tr>";
+    for (const auto& [key, value] : list.front().items())
+      out += "<td>" + (entry.contains(key) ? value_html(entry[key]) : "–") + "</td>";
+    out += "</tr>\n";
+  }
+  return out + "</tbody></table></div>\n";
+}
+
+}  // namespace
+
+std::string facts_section(const ordered_json& json) {
+  std::string out = "<section id=\"facts\"><h2>Run</h2>\n<h3>Input</h3>\n" + facts(json["input"]);
+  ordered_json judged{{"rule", json["rule"]},
+                      {"points_on_faces_used", json["points_on_faces"]["used"]},
+                      {"points_rejected", json["points_on_faces"]["rejected"]},
+                      {"smallest_feature_mm", html_number(json["smallest_feature_mm"], 1)}};
+  out += "<h3>Inspection</h3>\n" + facts(judged);
+  out += "<h3>Reconstruction</h3>\n" + facts(json["reconstruction"]);
+  for (size_t k = 0; k < json["further_set_ups"].size(); ++k) {
+    const ordered_json& set_up = json["further_set_ups"][k];
+    out += print("<h3>Scan %zu</h3>\n", k + 2) + facts({{"scan", set_up["scan"]}}) +
+           facts(set_up["reconstruction"]);
+  }
+  if (json.contains("rounds") && json["rounds"].is_array() && !json["rounds"].empty() &&
+      json["rounds"].front().is_object())
+    out += "<h3>Rounds of measurement</h3>\n" + list_table(json["rounds"]);
+  return out + "</section>\n";
+}
+
+}  // namespace tetragauge
