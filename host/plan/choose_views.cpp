@@ -124,8 +124,9 @@ class Chooser {
     std::optional<ChosenView> moved;
     for (size_t c = 0; c < survey_.candidates.size(); ++c) {
       const CandidateView& there = survey_.candidates[c];
-      const double turn = std::abs(std::remainder(there.table_deg - here.table_deg, 360.0));
-      if (c == view.candidate || turn > kNear_deg || std::abs(there.slide_mm - here.slide_mm) > kNear_mm)
+      const double turn = std::abs(std::remainder(there.place.table_deg - here.place.table_deg, 360.0));
+      if (c == view.candidate || turn > kNear_deg ||
+          std::abs(there.place.slide_mm - here.place.slide_mm) > kNear_mm)
         continue;
       ChosenView other{c, {}};
       for (uint32_t s = 0; s < there.sights.size(); ++s)

@@ -10,7 +10,7 @@ Result<std::vector<size_t>> forecast_view(const PlanningMachine& machine, const 
                                           const PlannedView& view, double max_incidence_rad) {
   const auto raster = lay_raster(machine.head, view);
   if (!raster) return raster.error();
-  const HeadOverPart head(machine, T_part_model, view.table_deg, view.slide_mm);
+  const HeadOverPart head(machine, T_part_model, {view.table_deg, view.slide_mm});
   std::vector<int> face_of_ray(size_t{raster->columns} * raster->rows, -1);
   tbb::parallel_for(uint32_t{0}, raster->rows, [&](uint32_t row) {
     for (uint32_t column = 0; column < raster->columns; ++column) {

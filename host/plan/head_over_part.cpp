@@ -26,9 +26,9 @@ double angle_of_cosine(double cosine) {
 }  // namespace
 
 HeadOverPart::HeadOverPart(const PlanningMachine& machine, const RigidTransform& T_part_model,
-                           double table_deg, double slide_mm)
+                           const StagePlace& place)
     : machine_(machine),
-      T_machine_model_(T_machine_part(machine.head, table_deg, slide_mm) * T_part_model),
+      T_machine_model_(T_machine_part(machine.head, place.table_deg, place.slide_mm) * T_part_model),
       T_model_machine_(T_machine_model_.inverse()),
       T_part_model_(T_part_model),
       mirror_mm_(beam(0, 0).origin_mm) {
@@ -36,6 +36,16 @@ HeadOverPart::HeadOverPart(const PlanningMachine& machine, const RigidTransform&
     const Vector3<double>& centre = machine.geometry.camera[k].centre;
     camera_mm_[k] = T_model_machine_ * Vec3(centre.x, centre.y, centre.z);
   }
+}
+
+std::optional<MirrorAim> HeadOverPart::aim(const Vec3& point_mm) const {
+  const MirrorAngles<double> angles =
+      aim_mirrors(machine_.head.galvo, optics_vector(T_machine_model_ * point_mm));
+  const double limit = machine_.head.mirror_limit_urad * 1e-6;
+  if (!angles.reached || std::abs(angles.a_rad) > limit || std::abs(angles.b_rad) > limit)
+    return std::nullopt;
+  return MirrorAim{static_cast<int32_t>(std::lround(1e6 * angles.a_rad)),
+                   static_cast<int32_t>(std::lround(1e6 * angles.b_rad))};
 }
 
 MachineRay HeadOverPart::beam(int32_t a_urad, int32_t b_urad) const {
@@ -76,13 +86,10 @@ SpotSight HeadOverPart::look_at(const RayCaster& caster, const Vec3& spot_mm, co
   // Where a beam leaves moves by millimetres with the mirrors' angles.
   if (normal.dot((mirror_mm_ - spot_mm).normalized()) <= std::cos(kGrazing_rad)) return sight;
   sight.obstacle = Obstacle::out_of_reach;
-  const MirrorAngles<double> aim =
-      aim_mirrors(machine_.head.galvo, optics_vector(T_machine_model_ * spot_mm));
-  const double limit = machine_.head.mirror_limit_urad * 1e-6;
-  if (!aim.reached || std::abs(aim.a_rad) > limit || std::abs(aim.b_rad) > limit) return sight;
-  if (!in_volume(spot_mm)) return sight;
-  sight.a_urad = static_cast<int32_t>(std::lround(1e6 * aim.a_rad));
-  sight.b_urad = static_cast<int32_t>(std::lround(1e6 * aim.b_rad));
+  const std::optional<MirrorAim> target = aim(spot_mm);
+  if (!target || !in_volume(spot_mm)) return sight;
+  sight.a_urad = target->a_urad;
+  sight.b_urad = target->b_urad;
   const MachineRay ray = beam(sight.a_urad, sight.b_urad);
   sight.beam_incidence_rad = angle_of_cosine(-normal.dot(ray.direction));
   ask_cameras(caster, spot_mm, normal, sight);

@@ -6,8 +6,9 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
-#include "host/plan/planning_machine.hpp"
+#include "host/plan/machine_time.hpp"
 #include "host/solid/ray_caster.hpp"
 
 namespace tetragauge {
@@ -20,6 +21,10 @@ enum class Obstacle : uint8_t {
   beam_blocked,     // by the part
   cameras_blocked,  // both, by the part
   none
+};
+
+struct MirrorAim {
+  int32_t a_urad = 0, b_urad = 0;
 };
 
 struct SpotSight {
@@ -40,8 +45,10 @@ inline constexpr double kGrazing_rad = 1.48;  // 85 degrees
 
 class HeadOverPart {
  public:
-  HeadOverPart(const PlanningMachine& machine, const RigidTransform& T_part_model, double table_deg,
-               double slide_mm);
+  HeadOverPart(const PlanningMachine& machine, const RigidTransform& T_part_model, const StagePlace& place);
+
+  // The mirrors' angles for a point; nothing beyond their limit.
+  std::optional<MirrorAim> aim(const Vec3& point_mm) const;
 
   // Model frame.
   SpotSight look_at(const RayCaster& caster, const Vec3& spot_mm, const Vec3& normal) const;

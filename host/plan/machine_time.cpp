@@ -38,20 +38,27 @@ double ray_time_s(const PlanningMachine& machine, uint32_t samples, int32_t step
          1e-9 * (2.0 * samples * machine.sample_period_ns);
 }
 
+void go_to(const PlanningMachine& machine, const StagePlace& place, MachineStance& stance) {
+  stance.table_steps = table_steps(machine.config, static_cast<int32_t>(std::lround(1e6 * place.table_deg)));
+  stance.slide_steps = slide_steps(machine.config, static_cast<int32_t>(std::lround(1e3 * place.slide_mm)));
+}
+
+double travel_time_s(const PlanningMachine& machine, const MachineStance& stance, const StagePlace& to) {
+  MachineStance there = stance;
+  go_to(machine, to, there);
+  return std::max(move_time_s(machine.config.stage.table, stance.table_steps, there.table_steps),
+                  move_time_s(machine.config.stage.slide, stance.slide_steps, there.slide_steps));
+}
+
 double view_time_s(const PlanningMachine& machine, const tg_View& view, MachineStance& stance) {
-  const tg_StageConfig& stage = machine.config.stage;
-  const int64_t table = table_steps(machine.config, view.table_udeg);
-  const int64_t slide = slide_steps(machine.config, view.slide_um);
-  double time_s = std::max(move_time_s(stage.table, stance.table_steps, table),
-                           move_time_s(stage.slide, stance.slide_steps, slide)) +
-                  1e-6 * machine.config.measure.stage_settle_us;
+  const StagePlace place{1e-6 * view.table_udeg, 1e-3 * view.slide_um};
+  double time_s = travel_time_s(machine, stance, place) + 1e-6 * machine.config.measure.stage_settle_us;
   const auto step_time = [&](int32_t step_urad) { return ray_time_s(machine, view.samples, step_urad); };
   time_s += step_time(
       std::max(std::abs(view.a_first_urad - stance.a_urad), std::abs(view.b_first_urad - stance.b_urad)));
   time_s += static_cast<double>(view.rows) * (view.columns - 1) * step_time(std::abs(view.a_step_urad));
   time_s += (view.rows - 1) * step_time(std::abs(view.b_step_urad));
-  stance.table_steps = table;
-  stance.slide_steps = slide;
+  go_to(machine, place, stance);
   // Every other row runs backwards.
   stance.a_urad = view.a_first_urad +
                   (view.rows % 2 == 1 ? static_cast<int32_t>(view.columns - 1) * view.a_step_urad : 0);

@@ -16,13 +16,21 @@ struct MachineStance {
   int32_t a_urad = 0, b_urad = 0;
 };
 
+struct StagePlace {
+  double table_deg = 0, slide_mm = 0;
+};
+
 // As homing leaves it.
 MachineStance homed_stance(const PlanningMachine& machine);
 
 // One axis, with the way back that takes up the backlash.
 double move_time_s(const tg_AxisMotion& motion, int64_t from_steps, int64_t to_steps);
+// Both axes together.
+double travel_time_s(const PlanningMachine& machine, const MachineStance& stance, const StagePlace& to);
 // One ray, the mirrors having to turn by `step_urad` for it.
 double ray_time_s(const PlanningMachine& machine, uint32_t samples, int32_t step_urad);
+// Stands the stage there.
+void go_to(const PlanningMachine& machine, const StagePlace& place, MachineStance& stance);
 // Moving there, and all its rays; `stance` becomes the one at its end.
 double view_time_s(const PlanningMachine& machine, const tg_View& view, MachineStance& stance);
 

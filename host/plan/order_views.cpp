@@ -8,18 +8,9 @@ namespace tetragauge {
 
 std::vector<size_t> order_views(const PlanningMachine& machine, const std::vector<StagePlace>& places,
                                 const MachineStance& stance) {
-  struct Steps {
-    int64_t table, slide;
-  };
-  std::vector<Steps> at{{stance.table_steps, stance.slide_steps}};  // 0: the start, k + 1: place k
-  for (const StagePlace& place : places) {
-    at.push_back({table_steps(machine.config, static_cast<int32_t>(std::lround(1e6 * place.table_deg))),
-                  slide_steps(machine.config, static_cast<int32_t>(std::lround(1e3 * place.slide_mm)))});
-  }
-  const auto leg = [&](size_t from, size_t to) {
-    return std::max(move_time_s(machine.config.stage.table, at[from].table, at[to].table),
-                    move_time_s(machine.config.stage.slide, at[from].slide, at[to].slide));
-  };
+  std::vector<MachineStance> at{stance};  // 0: the start, k + 1: place k
+  for (const StagePlace& place : places) go_to(machine, place, at.emplace_back());
+  const auto leg = [&](size_t from, size_t to) { return travel_time_s(machine, at[from], places[to - 1]); };
   std::vector<size_t> way{0};
   std::vector<size_t> left;
   for (size_t k = 1; k < at.size(); ++k) left.push_back(k);

@@ -8,10 +8,6 @@
 
 namespace tetragauge {
 
-struct StagePlace {
-  double table_deg = 0, slide_mm = 0;
-};
-
 // Indices of `places` in the order to go to them, from `stance`: the nearest next, then legs crossed over
 // while that saves time (2-opt).
 std::vector<size_t> order_views(const PlanningMachine& machine, const std::vector<StagePlace>& places,

@@ -82,7 +82,7 @@ std::vector<FaceOutlook> outlook_of_faces(const Solid& model, const RigidTransfo
 
 PlannedView planned(const CandidateView& place, const RasterWindow& window, double pitch_mm,
                     uint32_t samples) {
-  return {place.table_deg, place.slide_mm, window, pitch_mm, samples};
+  return {place.place.table_deg, place.place.slide_mm, window, pitch_mm, samples};
 }
 
 // Views that give face f its points: a raster of its own from the place that sees most of it, one already
@@ -197,7 +197,7 @@ Result<PartPlan> plan_part(const PlanningMachine& machine, const Solid& model, c
   std::vector<StagePlace> places;
   std::vector<const std::vector<PlannedView>*> of_place;
   for (const auto& [candidate, at_place] : views) {
-    places.push_back({survey.candidates[candidate].table_deg, survey.candidates[candidate].slide_mm});
+    places.push_back(survey.candidates[candidate].place);
     of_place.push_back(&at_place);
   }
   for (const size_t k : order_views(machine, places, stance))

@@ -16,50 +16,48 @@ namespace {
 constexpr double kTableStep_deg = 10, kSlideStep_mm = 25;
 constexpr double kLongestSlide_mm = 300;  // of a plan file
 
-std::vector<CandidateView> places_worth_trying(const PlanningMachine& machine,
-                                               const RigidTransform& T_part_model,
-                                               std::span<const Patch> patches) {
-  double low = 1e9, high = -1e9;
-  for (const Patch& patch : patches) {
-    const double z = (T_part_model * patch.point_mm).z();
-    low = std::min(low, z);
-    high = std::max(high, z);
-  }
+}  // namespace
+
+std::vector<StagePlace> places_worth_trying(const PlanningMachine& machine, double low_mm, double high_mm) {
   const tg_StageConfig& stage = machine.config.stage;
   const double slide_low = std::max(0.0, 1e3 * stage.slide.min_steps / stage.slide_steps_per_m);
   const double slide_high = std::min(kLongestSlide_mm, 1e3 * stage.slide.max_steps / stage.slide_steps_per_m);
   // Part of it must stand where the beam goes: some 130 mm above and below the point aimed at.
   constexpr double kReach_mm = 130;
   const double aim = machine.head.aim_mm.z();
-  std::vector<CandidateView> places;
+  std::vector<StagePlace> places;
   // From the middle of the part's height outwards in whole steps, so that the plain view is among them.
-  const double middle = std::clamp(aim - 0.5 * (low + high), slide_low, slide_high);
+  const double middle = std::clamp(aim - 0.5 * (low_mm + high_mm), slide_low, slide_high);
   const auto steps_down = static_cast<int>((middle - slide_low) / kSlideStep_mm);
   const auto steps_up = static_cast<int>((slide_high - middle) / kSlideStep_mm);
   for (int k = -steps_down; k <= steps_up; ++k) {
     const double slide = std::round(10 * (middle + k * kSlideStep_mm)) / 10;
-    if (high + slide < aim - kReach_mm || low + slide > aim + kReach_mm) continue;
+    if (high_mm + slide < aim - kReach_mm || low_mm + slide > aim + kReach_mm) continue;
     for (double table = -180; table < 180; table += kTableStep_deg) {
       const int64_t steps = table_steps(machine.config, static_cast<int32_t>(std::lround(1e6 * table)));
-      if (steps >= stage.table.min_steps && steps <= stage.table.max_steps)
-        places.push_back({table, slide, {}});
+      if (steps >= stage.table.min_steps && steps <= stage.table.max_steps) places.push_back({table, slide});
     }
   }
   return places;
 }
 
-}  // namespace
-
 SightSurvey survey_sights(const PlanningMachine& machine, const RayCaster& caster,
                           const RigidTransform& T_part_model, std::span<const Patch> patches,
                           double max_incidence_rad) {
   SightSurvey survey;
-  survey.candidates = places_worth_trying(machine, T_part_model, patches);
+  double low_mm = 1e9, high_mm = -1e9;
+  for (const Patch& patch : patches) {
+    const double z = (T_part_model * patch.point_mm).z();
+    low_mm = std::min(low_mm, z);
+    high_mm = std::max(high_mm, z);
+  }
+  for (const StagePlace& place : places_worth_trying(machine, low_mm, high_mm))
+    survey.candidates.push_back({place, {}});
   std::vector<std::vector<PatchOutlook>> outlooks(survey.candidates.size());
   // Each candidate writes its own slots: the result does not depend on the threads.
   tbb::parallel_for(size_t{0}, survey.candidates.size(), [&](size_t c) {
     CandidateView& view = survey.candidates[c];
-    const HeadOverPart head(machine, T_part_model, view.table_deg, view.slide_mm);
+    const HeadOverPart head(machine, T_part_model, view.place);
     outlooks[c].resize(patches.size());
     for (uint32_t k = 0; k < patches.size(); ++k) {
       const SpotSight sight = head.look_at(caster, patches[k].point_mm, patches[k].normal);

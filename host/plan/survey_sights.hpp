@@ -8,6 +8,7 @@
 
 #include "host/plan/face_patches.hpp"
 #include "host/plan/head_over_part.hpp"
+#include "host/plan/machine_time.hpp"
 
 namespace tetragauge {
 
@@ -20,7 +21,7 @@ struct PatchSight {
 };
 
 struct CandidateView {
-  double table_deg = 0, slide_mm = 0;
+  StagePlace place;
   std::vector<PatchSight> sights;
 };
 
@@ -39,6 +40,10 @@ struct SightSurvey {
 
 // A patch that no place sees as asked is measured flatter rather than not at all, up to here.
 inline constexpr double kFlat_rad = 1.396;  // 80 degrees
+
+// Places of the stage from which something of a part between these heights can be seen; part frame, by slide
+// height, then by table angle.
+std::vector<StagePlace> places_worth_trying(const PlanningMachine& machine, double low_mm, double high_mm);
 
 SightSurvey survey_sights(const PlanningMachine& machine, const RayCaster& caster,
                           const RigidTransform& T_part_model, std::span<const Patch> patches,

@@ -18,8 +18,6 @@ constexpr int kTableAngles = 8;
 constexpr double kSlab_mm = 100;
 constexpr double kAimHeight_mm = 200, kVolumeHeight_mm = 200;
 
-}  // namespace
-
 ScanPlan survey_plan() {
   ScanPlan plan;
   for (const double height_mm : {0.25 * kVolumeHeight_mm, 0.75 * kVolumeHeight_mm}) {
@@ -34,6 +32,8 @@ ScanPlan survey_plan() {
   }
   return plan;
 }
+
+}  // namespace
 
 ScanPlan plan_around(const HeadGeometry& head, std::span<const Vec3> seen,
                      const DefaultPlanOptions& options) {
@@ -78,7 +78,7 @@ ScanPlan plan_around(const HeadGeometry& head, std::span<const Vec3> seen,
   return plan;
 }
 
-Result<ScanPlan> default_plan(Link& link, const DefaultPlanOptions& options, const ScanOptions& scan) {
+Result<MeasuredScan> survey_volume(Link& link, const ScanOptions& scan) {
   if (scan.log) scan.log("survey of the working volume");
   ScanOptions quick = scan;
   quick.keep_table = false;
@@ -96,6 +96,12 @@ Result<ScanPlan> default_plan(Link& link, const DefaultPlanOptions& options, con
                          std::to_string(survey->counts.table_points) +
                          " points of the table only); put one on it, or give a plan with --plan");
   }
+  return survey;
+}
+
+Result<ScanPlan> default_plan(Link& link, const DefaultPlanOptions& options, const ScanOptions& scan) {
+  const auto survey = survey_volume(link, scan);
+  if (!survey) return survey.error();
   const auto config = read_head_config(link);
   if (!config) return config.error();
   return plan_around(head_geometry(config->galvo, config->stage), survey->scan.points, options);

@@ -21,8 +21,9 @@ struct DefaultPlanOptions {
 Result<ScanPlan> default_plan(Link& link, const DefaultPlanOptions& options = {},
                               const ScanOptions& scan = {});
 
-// The two halves of it. The survey: 4 table angles, the whole volume, 4 mm pitch, few samples.
-ScanPlan survey_plan();
+// The two halves of it. The survey: 4 table angles, the whole volume, 4 mm pitch, few samples. Error
+// (machine): it saw nothing but the table. Keeps no journal.
+Result<MeasuredScan> survey_volume(Link& link, const ScanOptions& scan = {});
 // `seen`: points of the part, part frame. Precondition: not empty.
 ScanPlan plan_around(const HeadGeometry& head, std::span<const Vec3> seen, const DefaultPlanOptions& options);
 
