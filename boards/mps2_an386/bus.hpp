@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the simulated world and the firmware's image say to each other, in turn, each over a FIFO of its own:
 //
-//   world: WorldSays [samples] [bytes of the host]      something has come, at that virtual time
+//   world: WorldSays [samples or bytes of the host]     something has come, at that virtual time
 //   image: ImageSays [actions] [payload]                what the firmware did; it has finished, or it asks
 //   world: WorldSays (answer) [words]                   ... until it has finished
 //
@@ -31,13 +31,13 @@ inline constexpr size_t kMostLineBytes = 520;   // of the host, in one turn: a f
 inline constexpr size_t kMostStoreWords = 128;  // in one question
 inline constexpr size_t kMostActions = 32;      // in one message of the image
 
-enum class Call : uint8_t { start, table_step, slide_step, interlock, alarm, samples, poll, answer };
+enum class Call : uint8_t { start, table_step, slide_step, interlock, alarm, samples, poll, line, answer };
 
 struct WorldSays {
   Call call = Call::poll;
   uint8_t store_busy = 0;
   uint16_t samples = 0;     // PsdSample, of Call::samples
-  uint32_t line_bytes = 0;  // of the host, after the samples
+  uint32_t line_bytes = 0;  // of the host, of Call::line
   uint64_t now_ns = 0;
   uint32_t inputs = 0;  // Inputs::k...
   // start: boot id, reset cause, words of a bank. answer: what the question says.
@@ -62,7 +62,7 @@ struct ImageSays {
   uint32_t values[3] = {};     // of the question
   uint32_t state = 0, fault = 0, view = 0;
   uint64_t next_poll_ns = 0;
-  uint64_t ticks = 0;  // of the processor's time since its start, kTickNs each
+  uint64_t ticks = 0;  // of the processor's time since the turn began, kTickNs each
 };
 static_assert(sizeof(ImageSays) == 48);
 

@@ -28,6 +28,7 @@ class FifoBoard : public Storage {
   // Waits for what comes next. After a start the board is as at power-on.
   mps2_bus::Call next_call() {
     take(&says_);
+    link_.start_ticks();
     if (says_.call == mps2_bus::Call::start) {
       boot_id_ = says_.values[0];
       reset_cause_ = static_cast<tg_ResetCause>(says_.values[1]);

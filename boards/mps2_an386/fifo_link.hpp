@@ -19,11 +19,8 @@ template <class Bus>
 class FifoLink {
  public:
   void begin() {
-    using I = Io<Bus>;
-    I::write(timer0::Reload{}, ~0u);
-    I::write(timer0::Value{}, ~0u);
-    I::write(timer0::Ctrl{}, 1);
-    last_ = ~0u;
+    Io<Bus>::write(timer0::Reload{}, ~0u);
+    Io<Bus>::write(timer0::Ctrl{}, 1);
     in_ = semihosting::open(mps2_bus::kToImage, semihosting::Mode::read);
     out_ = semihosting::open(mps2_bus::kToWorld, semihosting::Mode::write);
     if (in_ < 0 || out_ < 0)
@@ -43,13 +40,9 @@ class FifoLink {
     if (!semihosting::write(out_, from, bytes)) semihosting::exit(true);
   }
 
-  // Of the processor's time since begin(). To be asked at least once in 171 s of it.
-  uint64_t ticks() {
-    const uint32_t now = Io<Bus>::read(timer0::Value{});
-    ticks_ += last_ - now;
-    last_ = now;
-    return ticks_;
-  }
+  // The processor's time since the last start_ticks(), at most 171 s.
+  void start_ticks() { Io<Bus>::write(timer0::Value{}, ~0u); }
+  uint32_t ticks() const { return ~0u - Io<Bus>::read(timer0::Value{}); }
 
   [[noreturn]] static void fail(const char* why) {
     semihosting::say("tetragauge-mps2_an386: ");
@@ -59,8 +52,6 @@ class FifoLink {
 
  private:
   int32_t in_ = -1, out_ = -1;
-  uint32_t last_ = 0;
-  uint64_t ticks_ = 0;
 };
 
 }  // namespace tetragauge

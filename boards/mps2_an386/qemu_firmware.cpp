@@ -62,25 +62,14 @@ Status QemuFirmware::start() {
   says.values[0] = board_.boot_id();
   says.values[1] = static_cast<uint32_t>(board_.reset_cause());
   says.values[2] = store_.bank_words();
-  return turn(says, {});
+  return turn(says, nullptr, 0);
 }
 
 Status QemuFirmware::run(EmulatedBoard::Event event) {
-  uint8_t bytes[256];
-  while (const size_t count = board_.read(bytes, sizeof bytes))
-    line_.insert(line_.end(), bytes, bytes + count);
   WorldSays says;
   says.call = call_of(event);
-  const std::vector<uint8_t> first = next_of_line();
-  says.line_bytes = static_cast<uint32_t>(first.size());
-  std::vector<uint8_t> payload;
-  if (event == EmulatedBoard::Event::samples) {
-    says.samples = static_cast<uint16_t>(burst_count_);
-    payload.resize(burst_count_ * sizeof(PsdSample));
-    std::memcpy(payload.data(), burst_.data(), payload.size());
-  }
-  payload.insert(payload.end(), first.begin(), first.end());
-  if (const Status done = turn(says, payload); !done) return done;
+  if (event == EmulatedBoard::Event::samples) says.samples = static_cast<uint16_t>(burst_count_);
+  if (const Status done = turn(says, burst_.data(), says.samples * sizeof(PsdSample)); !done) return done;
   return take_bytes();
 }
 
@@ -92,8 +81,9 @@ Status QemuFirmware::take_bytes() {
     const std::vector<uint8_t> part = next_of_line();
     if (part.empty()) return Done{};
     WorldSays says;
+    says.call = Call::line;
     says.line_bytes = static_cast<uint32_t>(part.size());
-    if (const Status done = turn(says, part); !done) return done;
+    if (const Status done = turn(says, part.data(), part.size()); !done) return done;
   }
 }
 
@@ -111,17 +101,17 @@ Status QemuFirmware::say(WorldSays says, const void* payload, size_t payload_byt
   return qemu_->send(message, sizeof says + payload_bytes);
 }
 
-Status QemuFirmware::turn(WorldSays says, const std::vector<uint8_t>& payload) {
-  if (const Status said = say(says, payload.data(), payload.size()); !said) return said;
+Status QemuFirmware::turn(const WorldSays& says, const void* payload, size_t payload_bytes) {
+  if (const Status said = say(says, payload, payload_bytes); !said) return said;
   for (;;) {
     ImageSays heard;
     if (const Status got = qemu_->receive(&heard, sizeof heard); !got) return got;
     if (const Status done = do_actions(heard.actions); !done) return done;
     if (heard.question == Question::none) {
       if (heard.state >= work_.size() || heard.fault >= _tg_FaultCode_ARRAYSIZE) return nonsense();
-      Work& work = work_[last_.state];
+      Work& work = work_[last_.state][static_cast<size_t>(says.call)];
       ++work.turns;
-      work.ticks += heard.ticks - last_.ticks;
+      work.ticks += heard.ticks;
       last_ = heard;
       return Done{};
     }

@@ -25,14 +25,16 @@ class QemuFirmware : public BoardFirmware {
   bool resting() const override { return last_.resting != 0; }
   Trace::Seen seen() const override;
 
-  // What the image's processor has done, by the state in which it began to.
+  // What the image's processor has done, by the machine's state before and by what has come.
   struct Work {
     uint64_t turns = 0, ticks = 0;
   };
-  const std::array<Work, _tg_State_ARRAYSIZE>& work() const { return work_; }
+  using WorkTable =
+      std::array<std::array<Work, static_cast<size_t>(mps2_bus::Call::answer)>, _tg_State_ARRAYSIZE>;
+  const WorkTable& work() const { return work_; }
 
  private:
-  Status turn(mps2_bus::WorldSays says, const std::vector<uint8_t>& payload);
+  Status turn(const mps2_bus::WorldSays& says, const void* payload, size_t payload_bytes);
   Status do_actions(size_t count);
   Status answer(const mps2_bus::ImageSays& question);
   Status say(mps2_bus::WorldSays says, const void* payload, size_t payload_bytes);
@@ -45,7 +47,7 @@ class QemuFirmware : public BoardFirmware {
   std::array<PsdSample, kBurstSamples> burst_{};
   size_t burst_count_ = 0;
   std::vector<uint8_t> line_;  // of the host, not yet given to the image
-  std::array<Work, _tg_State_ARRAYSIZE> work_{};
+  WorkTable work_{};
 };
 
 }  // namespace tetragauge

@@ -31,24 +31,26 @@ std::string error_text() {
   return std::strerror(errno);
 }
 
-// Of the child, between fork and exec.
-[[noreturn]] void become_qemu(const std::string& folder, const std::string& image, pid_t parent) {
+// Of the child, between fork and exec. What keeps it from becoming QEMU goes into `failed`, which exec
+// closes.
+[[noreturn]] void become_qemu(const std::string& folder, const std::string& image, pid_t parent, int failed) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (::getppid() != parent || ::chdir(folder.c_str()) != 0) ::_exit(126);
   // Ctrl-C at the terminal is for the program that started this one.
   ::setpgid(0, 0);
-  const int said = ::open(kSaid, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-  const int nothing = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
-  if (said < 0 || nothing < 0) ::_exit(126);
-  ::dup2(nothing, STDIN_FILENO);
-  ::dup2(said, STDOUT_FILENO);
-  ::dup2(said, STDERR_FILENO);
-  // An instruction takes 8 ns of virtual time, always: the image's own clock is exact, and no other clock
-  // counts.
-  ::execlp(kProgram, kProgram, "-M", "mps2-an386", "-display", "none", "-monitor", "none", "-serial", "none",
-           "-icount", "shift=3,sleep=off", "-semihosting-config", "enable=on,target=native", "-kernel",
-           image.c_str(), nullptr);
-  ::_exit(errno == ENOENT ? 127 : 126);
+  if (::getppid() == parent && ::chdir(folder.c_str()) == 0) {
+    const int said = ::open(kSaid, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    const int nothing = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+    ::dup2(nothing, STDIN_FILENO);
+    ::dup2(said, STDOUT_FILENO);
+    ::dup2(said, STDERR_FILENO);
+    // An instruction takes 8 ns of virtual time, always: the image's own clock is exact.
+    ::execlp(kProgram, kProgram, "-M", "mps2-an386", "-display", "none", "-monitor", "none", "-serial",
+             "none", "-icount", "shift=3,sleep=off", "-semihosting-config", "enable=on,target=native",
+             "-kernel", image.c_str(), nullptr);
+  }
+  const int why = errno;
+  if (::write(failed, &why, sizeof why) < 0) ::_exit(126);
+  ::_exit(127);
 }
 
 }  // namespace
@@ -75,10 +77,26 @@ Result<std::unique_ptr<QemuProcess>> QemuProcess::start(const std::filesystem::p
   qemu->to_world_ = ::open(to_world.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (qemu->to_image_ < 0 || qemu->to_world_ < 0)
     return machine_error(folder + ": cannot open the FIFOs to QEMU: " + error_text());
+  int failed_to_run[2];
+  if (::pipe2(failed_to_run, O_CLOEXEC) != 0)
+    return machine_error("no pipe for starting QEMU: " + error_text());
   const pid_t parent = ::getpid();
   qemu->process_ = ::fork();
-  if (qemu->process_ < 0) return machine_error(std::string("no process for QEMU: ") + error_text());
-  if (qemu->process_ == 0) become_qemu(folder, absolute.string(), parent);
+  if (qemu->process_ == 0) become_qemu(folder, absolute.string(), parent, failed_to_run[1]);
+  ::close(failed_to_run[1]);
+  int why = 0;
+  if (qemu->process_ < 0) {
+    why = errno;
+  } else {
+    while (::read(failed_to_run[0], &why, sizeof why) < 0 && errno == EINTR) {
+    }
+  }
+  ::close(failed_to_run[0]);
+  if (why == ENOENT) {
+    return machine_error(std::string("--board mps2_an386: ") + kProgram +
+                         " is not installed; run script/setup, or install Debian's package qemu-system-arm");
+  }
+  if (why != 0) return machine_error(std::string(kProgram) + ": cannot be run: " + std::strerror(why));
   return qemu;
 }
 

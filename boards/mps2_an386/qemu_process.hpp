@@ -16,7 +16,7 @@ namespace tetragauge {
 
 class QemuProcess {
  public:
-  // Errors say what to build; that QEMU is not installed shows when it is first listened to.
+  // Errors say what to install or to build.
   static Result<std::unique_ptr<QemuProcess>> start(const std::filesystem::path& image);
   ~QemuProcess();
   QemuProcess(const QemuProcess&) = delete;

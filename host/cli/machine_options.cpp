@@ -13,6 +13,12 @@ void MachineArguments::add(CLI::App& command) {
       ->type_name("PART")
       ->excludes(port_option);
   command
+      .add_option("--board", emulated.board,
+                  "Board of the emulated machine: emulated, or mps2_an386 (ARM code, by QEMU)")
+      ->check(CLI::IsMember({"emulated", "mps2_an386"}))
+      ->capture_default_str()
+      ->excludes(port_option);
+  command
       .add_option("--place", emulated.place,
                   "How the emulated part stands: turned (degrees), then shifted (mm)")
       ->type_name("RX,RY,RZ,TX,TY,TZ")
@@ -62,9 +68,15 @@ Result<OpenMachine> MachineArguments::open() const {
   Result<std::unique_ptr<Transport>> transport = open_transport(device);
   if (!transport) return transport.error();
   Result<std::unique_ptr<Link>> link = Link::connect(std::move(*transport));
-  if (!link) return link.error();
+  if (!link) return machine.explain(link.error());
   machine.link = std::move(*link);
   return machine;
+}
+
+Error OpenMachine::explain(Error error) const {
+  if (!emulated || error.kind != ErrorKind::machine) return error;
+  if (const auto failure = emulated->failure()) error.message += "\n" + failure->message;
+  return error;
 }
 
 }  // namespace tetragauge::cli

@@ -15,6 +15,9 @@ namespace tetragauge::cli {
 struct OpenMachine {
   std::unique_ptr<EmulatedMachine> emulated;  // empty: a machine somebody else runs
   std::unique_ptr<Link> link;                 // ends before the machine does
+
+  // An error of the link, with what an emulated machine has to say to it.
+  Error explain(Error error) const;
 };
 
 struct MachineArguments {

@@ -152,8 +152,14 @@ Result<MeasuredScan> ScanArguments::measure_with_journal(const Console& console)
   }
   Result<OpenMachine> opened = machine.open();
   if (!opened) return opened.error();
-  Link& link = *opened->link;
+  Result<MeasuredScan> measured = measure_on(*opened, std::move(given), console);
+  if (!measured) return opened->explain(measured.error());
+  return measured;
+}
 
+Result<MeasuredScan> ScanArguments::measure_on(OpenMachine& opened, std::optional<ScanPlan> given,
+                                               const Console& console) {
+  Link& link = *opened.link;
   ProgressLine progress_line(!console.quiet && ::isatty(STDERR_FILENO));
   ScanOptions options;
   options.keep_table = keep_table;
@@ -161,7 +167,7 @@ Result<MeasuredScan> ScanArguments::measure_with_journal(const Console& console)
   options.operator_name = operator_name;
   const bool emulated = (link.machine().capabilities & tg_Capability_CAPABILITY_EMULATED) != 0;
   if (!emulated) options.start_time = start_time_;
-  if (opened->emulated) options.seed = machine.emulated.seed;
+  if (opened.emulated) options.seed = machine.emulated.seed;
   options.stop = &stop_requested;
   options.journal = journal_.get();
   options.log = [&](const std::string& line) {

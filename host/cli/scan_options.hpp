@@ -35,6 +35,7 @@ struct ScanArguments {
   nlohmann::ordered_json order() const;
   Status take_order(const nlohmann::ordered_json& order);
   Result<MeasuredScan> measure_with_journal(const Console& console);
+  Result<MeasuredScan> measure_on(OpenMachine& opened, std::optional<ScanPlan> given, const Console& console);
   Error with_way_to_go_on(Error error) const;
 
   CLI::App* command_ = nullptr;

@@ -22,6 +22,7 @@ ordered_json file_entry(const std::filesystem::path& path) {
 ordered_json ScanArguments::order() const {
   return {{"port", machine.port},
           {"emulated", file_entry(machine.emulated.part)},
+          {"board", machine.emulated.board},
           {"place", machine.emulated.place},
           {"seed", machine.emulated.seed},
           {"world", file_entry(machine.emulated.world)},
@@ -49,8 +50,8 @@ Status ScanArguments::take_order(const ordered_json& then) {
                        (then[key].empty() || then[key] == "" ? "none" : text(then[key])) +
                        "; leave the option out to go on with it, or move that file away to scan anew");
   };
-  for (const char* key :
-       {"emulated", "place", "seed", "world", "plan", "pitch", "keep-table", "part-serial", "operator"}) {
+  for (const char* key : {"emulated", "board", "place", "seed", "world", "plan", "pitch", "keep-table",
+                          "part-serial", "operator"}) {
     if (command_->count("--" + std::string(key)) == 0 || now[key] == then[key]) continue;
     if (!now[key].is_object() ||
         now[key].value("sha256", "") != (then[key].is_object() ? then[key].value("sha256", "") : ""))
@@ -68,6 +69,7 @@ Status ScanArguments::take_order(const ordered_json& then) {
                        " was begun; bring back what it was, or move that file away to scan anew");
     }
   }
+  machine.emulated.board = then["board"];
   machine.emulated.place = then["place"];
   machine.emulated.seed = then["seed"];
   if (!then["plan"].is_null()) plan = then["plan"].value("path", "");

@@ -13,6 +13,7 @@
 #include <cerrno>
 #include <cstring>
 #include <thread>
+#include <utility>
 #include <vector>
 
 extern char** environ;
@@ -23,8 +24,12 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
+// How long an emulator that has closed its line may take to say why.
+constexpr int kLastWord_ms = 1000;
+
 struct Pipe {
   std::array<int, 2> ends{-1, -1};
+  int take(size_t end) { return std::exchange(ends[end], -1); }
   bool open() { return ::pipe2(ends.data(), O_CLOEXEC) == 0; }
   void close(size_t end) {
     if (ends[end] >= 0) ::close(ends[end]);
@@ -124,12 +129,21 @@ Result<std::unique_ptr<EmulatedMachine>> EmulatedMachine::start(const EmulatedMa
   }
   std::unique_ptr<EmulatedMachine> machine(new EmulatedMachine);
   machine->folder_ = folder;
+  machine->program_ = program;
   machine->device_ = "unix:" + folder + "/machine";
 
-  std::vector<std::string> arguments{
-      program.string(), "--part",      options.part.string(),        "--listen",
-      machine->device_, "--seed",      std::to_string(options.seed), "--speed",
-      options.speed,    "--own-folder"};
+  std::vector<std::string> arguments{program.string(),
+                                     "--board",
+                                     options.board,
+                                     "--part",
+                                     options.part.string(),
+                                     "--listen",
+                                     machine->device_,
+                                     "--seed",
+                                     std::to_string(options.seed),
+                                     "--speed",
+                                     options.speed,
+                                     "--own-folder"};
   if (options.one_host) arguments.push_back("--one-host");
   if (!options.place.empty()) arguments.push_back("--place=" + options.place);
   if (!options.world.empty()) arguments.push_back("--world=" + options.world.string());
@@ -155,16 +169,33 @@ Result<std::unique_ptr<EmulatedMachine>> EmulatedMachine::start(const EmulatedMa
   }
   out.close(1);
   error.close(1);
+  machine->said_ = error.take(0);
   // The emulator prints its device once it listens.
   if (first_line(out.ends[0], options.start_timeout) == machine->device_) return machine;
 
   const int status = end_process(machine->process_);
   machine->process_ = -1;
-  return failure_of(program, status, all_text(error.ends[0]));
+  return failure_of(program, status, all_text(machine->said_));
+}
+
+std::optional<Error> EmulatedMachine::failure() {
+  // One that has closed its line is on its way out; one that runs says nothing.
+  int status = 0;
+  pollfd last_word{said_, POLLIN, 0};
+  if (process_ < 0 || ::poll(&last_word, 1, kLastWord_ms) <= 0) return std::nullopt;
+  status = end_process(process_);
+  process_ = -1;
+  const std::string said = all_text(said_);
+  if (said.empty() && WIFEXITED(status) && WEXITSTATUS(status) == 0) return std::nullopt;
+  if (said.empty() && WIFSIGNALED(status))
+    return machine_error(program_.string() + ": the emulator was ended by signal " +
+                         std::to_string(WTERMSIG(status)));
+  return failure_of(program_, status, said);
 }
 
 EmulatedMachine::~EmulatedMachine() {
   if (process_ > 0) end_process(process_);
+  if (said_ >= 0) ::close(said_);
   std::error_code ignored;
   std::filesystem::remove_all(folder_, ignored);
 }

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "host/base/result.hpp"
@@ -17,8 +18,9 @@
 namespace tetragauge {
 
 struct EmulatedMachineOptions {
-  std::filesystem::path part{};  // model of the part as really made
-  std::string place{};           // RX,RY,RZ,TX,TY,TZ; empty: as modelled
+  std::string board = "emulated";  // or mps2_an386: its firmware as code for a Cortex-M4F, run by QEMU
+  std::filesystem::path part{};    // model of the part as really made
+  std::string place{};             // RX,RY,RZ,TX,TY,TZ; empty: as modelled
   uint64_t seed = 1;
   std::filesystem::path world{};  // empty: the nominal world
   std::string faults{};           // what goes wrong and when (sim/README.md); empty: nothing
@@ -41,12 +43,17 @@ class EmulatedMachine {
   const std::string& device() const { return device_; }
   pid_t process() const { return process_; }
 
+  // Why it has ended by itself; nothing when it runs, or has ended without a word.
+  std::optional<Error> failure();
+
  private:
   EmulatedMachine() = default;
 
   std::filesystem::path folder_;
+  std::filesystem::path program_;
   std::string device_;
   pid_t process_ = -1;
+  int said_ = -1;  // what it says on standard error
 };
 
 }  // namespace tetragauge

@@ -21,6 +21,7 @@
 #include "boards/emulated/native_firmware.hpp"
 #include "boards/emulated/run_board.hpp"
 #include "boards/mps2_an386/qemu_firmware.hpp"
+#include "boards/mps2_an386/write_work.hpp"
 #include "firmware/hal/memory_storage.hpp"
 #include "host/solid/solid.hpp"
 #include "sim/read_world.hpp"
@@ -67,6 +68,16 @@ std::filesystem::path image_beside_this_program() {
   std::error_code ignored;
   const auto self = std::filesystem::read_symlink("/proc/self/exe", ignored);
   return self.parent_path().parent_path() / "images/mps2_an386/tetragauge-mps2_an386.elf";
+}
+
+Status end_of(const std::unique_ptr<Trace>& trace) {
+  return trace ? trace->close() : Status(Done{});
+}
+
+Status first_failure(std::initializer_list<Status> all) {
+  for (const Status& one : all)
+    if (!one) return one;
+  return Done{};
 }
 
 Status run(const Options& options) {
@@ -133,15 +144,15 @@ Status run(const Options& options) {
                 faults);
   sim::World world(setup, *standing, options.seed);
   EmulatedBoard board(world, line, store, std::random_device{}(), trace.get());
-  std::unique_ptr<BoardFirmware> firmware;
   if (qemu) {
-    firmware = std::make_unique<QemuFirmware>(board, store, std::move(qemu));
-  } else {
-    firmware = std::make_unique<NativeFirmware>(board);
+    QemuFirmware firmware(board, store, std::move(qemu));
+    const Status ran = run_board(board, firmware, line, stop_asked, *pace);
+    const Status said = options.work.empty() ? Status(Done{}) : write_work(options.work, firmware);
+    return first_failure({ran, said, end_of(trace)});
   }
-  const Status ran = run_board(board, *firmware, line, stop_asked, *pace);
-  const Status traced = trace ? trace->close() : Status(Done{});
-  return ran ? traced : ran;
+  NativeFirmware firmware(board);
+  const Status ran = run_board(board, firmware, line, stop_asked, *pace);
+  return first_failure({ran, end_of(trace)});
 }
 
 int emulator_main(int argc, char** argv) {
@@ -163,6 +174,9 @@ int emulator_main(int argc, char** argv) {
                  "what goes wrong and when, e.g. interlock@2.5s,link_flip=1e-4 (words: sim/README.md)");
   app.add_option("--trace", options.trace,
                  "file for a line at every change of state, laser, view and fault, with its virtual time");
+  app.add_option(
+      "--work", options.work,
+      "with --board mps2_an386: file for what the image's processor has done, by the machine's state");
   app.add_option("--store", options.store, "file of the machine's calibration store; without, it forgets");
   app.add_flag("--one-host", options.one_host,
                "end when the first host has gone, or when the program that started this one has");
