@@ -159,7 +159,7 @@ Result<MeasuredFaces> find_in_order(const Scan& scan, const Reconstruction& reco
   // Faces of few points are not reported, but the boundary model needs their planes: without them the edges
   // and corners of their neighbours would be cut off as the mesh cuts them.
   FittedFaces fitted = assign_points(scan, reconstruction, graph, std::move(regions), kFewPoints, kAllTurns);
-  fitted = split_unconnected(scan, reconstruction, graph, std::move(fitted), kFewPoints);
+  fitted = split_unconnected(scan, reconstruction, graph, std::move(fitted), kFewPoints, options.min_points);
   fitted = unite_patches(scan, reconstruction, std::move(fitted), options.min_points);
 
   FaceExtents extents = face_extents(reconstruction, graph, fitted);

@@ -261,8 +261,51 @@ std::vector<size_t> reportable(const Scan& scan, const Reconstruction& reconstru
   return faces;
 }
 
+namespace {
+
+// A face hardly wider than two spacings comes in crumbs: between them the surface goes from edge to edge and
+// has no vertex on its plane. Pieces of one face a single vertex apart, one of them too small to be a face,
+// are one.
+void join_crumbs(const Reconstruction& reconstruction, const SurfaceGraph& graph, const FittedFaces& fitted,
+                 const std::vector<int32_t>& face_of_piece, const std::vector<size_t>& points,
+                 size_t face_points, std::vector<int32_t>& piece) {
+  std::vector<int32_t> whole(face_of_piece.size());
+  std::iota(whole.begin(), whole.end(), 0);
+  const auto root = [&](int32_t p) {
+    while (whole[static_cast<size_t>(p)] != p) p = whole[static_cast<size_t>(p)];
+    return p;
+  };
+  for (uint32_t v = 0; v < graph.size(); ++v) {
+    for (uint32_t n : graph.around(v)) {
+      if (piece[n] == kNoRegion) continue;
+      for (uint32_t m : graph.around(v)) {
+        if (m <= n || piece[m] == kNoRegion) continue;
+        const auto p = static_cast<size_t>(piece[n]), q = static_cast<size_t>(piece[m]);
+        if (p == q || face_of_piece[p] != face_of_piece[q] || std::min(points[p], points[q]) >= face_points)
+          continue;
+        // Along an edge the other face turns neither towards the one crumb nor towards the other; a wall
+        // between them does. Two edges of the surface reach some 3 spacings.
+        const int32_t h = fitted.vertex_face[v];
+        const Vec3 step = reconstruction.vertices[m] - reconstruction.vertices[n];
+        const double across =
+            h == kNoRegion ? step.norm() : std::abs(fitted.fits[static_cast<size_t>(h)].normal.dot(step));
+        if (across > reconstruction.vertex_spacing_mm || step.norm() > 3 * reconstruction.vertex_spacing_mm)
+          continue;
+        const auto [low, high] = std::minmax({root(piece[n]), root(piece[m])});
+        whole[static_cast<size_t>(high)] = low;
+      }
+    }
+  }
+  for (int32_t& p : piece) {
+    if (p != kNoRegion) p = root(p);
+  }
+}
+
+}  // namespace
+
 FittedFaces split_unconnected(const Scan& scan, const Reconstruction& reconstruction,
-                              const SurfaceGraph& graph, FittedFaces fitted, size_t min_points) {
+                              const SurfaceGraph& graph, FittedFaces fitted, size_t min_points,
+                              size_t face_points) {
   // Connected is what vertices on the plane connect, whichever face they were given to: those at an edge lie
   // on both, and a narrow face has hardly others.
   const auto on_plane = [&](uint32_t v, const PlaneFit& plane) {
@@ -291,6 +334,13 @@ FittedFaces split_unconnected(const Scan& scan, const Reconstruction& reconstruc
       }
     }
   }
+  std::vector<size_t> points_of_piece(face_of_piece.size(), 0);
+  for (uint32_t i = 0; i < scan.size(); ++i) {
+    const uint32_t v = reconstruction.point_vertex[i];
+    if (piece[v] != kNoRegion && fitted.point_side[i] == fitted.vertex_face[v])
+      ++points_of_piece[static_cast<size_t>(piece[v])];
+  }
+  join_crumbs(reconstruction, graph, fitted, face_of_piece, points_of_piece, face_points, piece);
   std::vector<std::vector<uint32_t>> members(face_of_piece.size());
   std::vector<size_t> on_its_side(face_of_piece.size(), 0);
   for (uint32_t i = 0; i < scan.size(); ++i) {

@@ -22,8 +22,10 @@ Selection select_faces(const Scan& scan, const Reconstruction& reconstruction, c
 std::vector<size_t> reportable(const Scan& scan, const Reconstruction& reconstruction,
                                const FittedFaces& fitted, size_t min_points);
 
-// One face per connected piece; pieces of fewer than `min_points` raw points are on no face.
+// One face per connected piece; pieces of fewer than `min_points` raw points are on no face. Pieces of fewer
+// than `face_points` are joined over a single vertex: crumbs of a face hardly wider than two spacings.
 FittedFaces split_unconnected(const Scan& scan, const Reconstruction& reconstruction,
-                              const SurfaceGraph& graph, FittedFaces fitted, size_t min_points);
+                              const SurfaceGraph& graph, FittedFaces fitted, size_t min_points,
+                              size_t face_points);
 
 }  // namespace tetragauge
