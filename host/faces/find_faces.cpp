@@ -126,6 +126,41 @@ Scan reordered(const Scan& scan, const std::vector<uint32_t>& order) {
   return result;
 }
 
+// Two planes at a small angle may have grown far enough into what was taken for a piece of a curve to show
+// their crease. They are planes if, fitted by themselves, they end at edges; halves of a strip of a cylinder
+// go on at both sides, as the whole did.
+std::optional<Regions> part_at_creases(const Scan& scan, const Reconstruction& reconstruction,
+                                       const SurfaceGraph& graph, const FittedFaces& rough,
+                                       const std::vector<size_t>& curved, size_t few_points, int few_turns) {
+  const Creased creased = split_creased(scan, reconstruction, rough, curved);
+  if (creased.parted.empty()) return std::nullopt;
+  const FittedFaces apart =
+      assign_points(scan, reconstruction, graph, creased.regions, few_points, few_turns);
+  // The face that now holds most of a region's vertices.
+  const auto fitted_to = [&](size_t region) {
+    std::vector<size_t> votes(apart.fits.size(), 0);
+    for (size_t v = 0; v < graph.size(); ++v) {
+      if (creased.regions.vertex_region[v] == static_cast<int32_t>(region) &&
+          apart.vertex_face[v] != kNoRegion)
+        ++votes[static_cast<size_t>(apart.vertex_face[v])];
+    }
+    const auto most = std::max_element(votes.begin(), votes.end());
+    return most == votes.end() || *most == 0 ? kNoRegion : static_cast<int32_t>(most - votes.begin());
+  };
+  const auto ends_at_edges = [&](int32_t f, int32_t other_half) {
+    return soft_rim_share(reconstruction, graph, apart, static_cast<size_t>(f), other_half) <=
+           kGoesOnBothSides;
+  };
+  std::vector<size_t> proven;
+  for (size_t k = 0; k < creased.parted.size(); ++k) {
+    const int32_t first = fitted_to(creased.parted[k]), second = fitted_to(rough.fits.size() + k);
+    if (first == kNoRegion || second == kNoRegion || first == second) continue;
+    if (ends_at_edges(first, second) && ends_at_edges(second, first)) proven.push_back(creased.parted[k]);
+  }
+  if (proven.empty()) return std::nullopt;
+  return split_creased(scan, reconstruction, rough, proven).regions;
+}
+
 // Of a scan whose points are in canonical order, so that sums over them have the same last bit.
 Result<MeasuredFaces> find_in_order(const Scan& scan, const Reconstruction& reconstruction,
                                     const FindFacesOptions& options) {
@@ -145,13 +180,24 @@ Result<MeasuredFaces> find_in_order(const Scan& scan, const Reconstruction& reco
     if (!seeds) return seeds.error();
     regions = *std::move(seeds);
   }
-  regions =
-      split_creased(scan, reconstruction,
-                    assign_points(scan, reconstruction, graph, std::move(regions), kFewPoints, kFewTurns));
+  {
+    const FittedFaces grown =
+        assign_points(scan, reconstruction, graph, std::move(regions), kFewPoints, kFewTurns);
+    std::vector<size_t> all(grown.fits.size());
+    std::iota(all.begin(), all.end(), size_t{0});
+    regions = split_creased(scan, reconstruction, grown, all).regions;
+  }
   size_t false_chamfers = 0;
   for (int round = 0; round < kRounds; ++round) {
     const FittedFaces rough = assign_points(scan, reconstruction, graph, regions, kFewPoints, kFewTurns);
     Selection selection = select_faces(scan, reconstruction, graph, rough);
+    if (!selection.curved.empty()) {
+      if (auto parted =
+              part_at_creases(scan, reconstruction, graph, rough, selection.curved, kFewPoints, kFewTurns)) {
+        regions = *std::move(parted);
+        continue;
+      }
+    }
     false_chamfers += selection.false_chamfers;
     regions = std::move(selection.regions);
     if (!selection.changed) break;

@@ -263,8 +263,15 @@ std::optional<double> hit_cylinder(const Vec3& o, const Vec3& d) {
 }
 
 TEST(FindFaces, CylinderHasTwoPlaneFaces) {
-  for (const auto& [pitch, sigma] :
-       {std::pair{3.0, 0.05}, {2.0, 0.01}, {2.0, 0.05}, {1.5, 0.02}, {1.0, 0.02}}) {
+  for (const auto& [pitch, sigma] : {std::pair{3.0, 0.05},
+                                     {1.5, 0.1},
+                                     {1.0, 0.1},
+                                     {1.0, 0.005},
+                                     {2.5, 0.03},
+                                     {2.0, 0.01},
+                                     {2.0, 0.05},
+                                     {1.5, 0.02},
+                                     {1.0, 0.02}}) {
     ScanPlan plan;
     plan.centre = Vec3(0, 0, 30);
     plan.half_width_mm = 45;
@@ -289,6 +296,7 @@ TEST(FindFaces, EverySideOfAPrismOnce) {
       {"wall of 2 mm", {{0, 0}, {60, 0}, {60, 5}, {2, 5}, {2, 40}, {0, 40}}, 40, 0.1},
       {"draft of 1 degree", {{0, 0}, {60, 0}, {60, 20}, {30, 20}, {0, 20.5237}}, 40, 0.03},
       {"draft of 1 degree under noise", {{0, 0}, {60, 0}, {60, 20}, {30, 20}, {0, 20.5237}}, 40, 0.1},
+      {"step of two spacings", {{0, 0}, {60, 0}, {60, 20}, {30, 20}, {30, 22.8}, {0, 22.8}}, 58, 0.01},
       {"groove", {{0, 0}, {60, 0}, {60, 30}, {40, 30}, {30, 20}, {20, 30}, {0, 30}}, 40, 0.1}};
   for (const PrismCase& c : cases) {
     SCOPED_TRACE(c.name);

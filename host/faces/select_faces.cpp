@@ -15,7 +15,8 @@
 namespace tetragauge {
 namespace {
 
-constexpr double kGate = 3;  // sigma
+constexpr double kGate = 3;               // sigma
+constexpr double kSmoothSlope = 1.0 / 3;  // about 18 degrees
 
 // Width of a uniform strip that scatters as these points do.
 double width_mm(const Scan& scan, const PlaneFit& plane, const std::vector<uint32_t>& members) {
@@ -31,6 +32,10 @@ double width_mm(const Scan& scan, const PlaneFit& plane, const std::vector<uint3
   }
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(scatter / count, Eigen::EigenvaluesOnly);
   return std::sqrt(12 * std::max(0.0, eigen.eigenvalues()[1]));
+}
+
+double vertex_sigma(const Reconstruction& reconstruction, uint32_t v, const PlaneFit& plane) {
+  return sigma_across(reconstruction.vertex_sigma_mm[v], reconstruction.vertex_ray[v], plane.normal);
 }
 
 // A face is at least 2 spacings wide; the bands at its edges leave it 1.5, and a row of points at spacing s
@@ -65,8 +70,10 @@ class Selector {
       const bool chamfer = is_false_chamfer(f);
       const bool narrow =
           width_mm(scan_, fitted_.fits[f], members_[f]) < kPlaneSpacings * reconstruction_.point_spacing_mm;
-      if (!chamfer && !narrow && !is_curved(f)) continue;
+      const bool curved = !chamfer && !narrow && is_curved(f);
+      if (!chamfer && !narrow && !curved) continue;
       if (chamfer) ++selection.false_chamfers;
+      if (curved) selection.curved.push_back(f);
       becomes_[f] = kNoRegion;
     }
     selection.regions = regions_left(selection.changed);
@@ -115,17 +122,13 @@ class Selector {
       for (uint32_t n : graph_.around(v)) {
         if (fitted_.vertex_face[n] != static_cast<int32_t>(g)) continue;
         step += (reconstruction_.vertices[n] - reconstruction_.vertices[v]).dot(a.normal);
-        variance += std::pow(vertex_sigma(n, a), 2);
+        variance += std::pow(vertex_sigma(reconstruction_, n, a), 2);
         ++steps;
       }
     }
     // Where pieces overlap, noise sorts their vertices into the higher and the lower one: 1.6 sigma apart
     // with no step at all. A mean step of up to 3 sigma is none.
     return steps >= 3 && std::abs(step) <= 3 * std::sqrt(variance * static_cast<double>(steps));
-  }
-
-  double vertex_sigma(uint32_t v, const PlaneFit& plane) const {
-    return sigma_across(reconstruction_.vertex_sigma_mm[v], reconstruction_.vertex_ray[v], plane.normal);
   }
 
   double sigma(uint32_t i, const Vec3& normal) const {
@@ -179,32 +182,16 @@ class Selector {
     }
     const double turn =
         2 * std::max({std::abs(solution[3]), std::abs(solution[4]), std::abs(solution[5])}) / scale;
-    // Beside a shallow crease a plane strip has up to half of its rim; a piece of a curve goes on at both
-    // sides.
-    constexpr double kGoesOnBothSides = 0.5;
     // Gained by chance: 3 degrees of freedom, as in kSamePlaneChi2.
     const double vertex_sigma =
         typical_sigma * std::min(1.0, reconstruction_.point_spacing_mm / reconstruction_.vertex_spacing_mm);
-    return turn > kFlatTurn && gained > kSamePlaneChi2 && high - low > kGate * vertex_sigma &&
-           soft_rim_share(f) > kGoesOnBothSides;
-  }
-
-  // Share of the rim across which the surface goes on with a slope of less than a third (about 18 degrees).
-  double soft_rim_share(size_t f) const {
-    constexpr double kSmoothSlope = 1.0 / 3;
-    const PlaneFit& plane = fitted_.fits[f];
-    size_t soft = 0, hard = 0;
-    for (uint32_t v = 0; v < graph_.size(); ++v) {
-      if (fitted_.vertex_face[v] != static_cast<int32_t>(f)) continue;
-      for (uint32_t n : graph_.around(v)) {
-        if (fitted_.vertex_face[n] == static_cast<int32_t>(f)) continue;
-        const Vec3 step = reconstruction_.vertices[n] - reconstruction_.vertices[v];
-        const double off = std::abs(plane.normal.dot(reconstruction_.vertices[n]) - plane.d_mm);
-        if (off <= kGate * vertex_sigma(n, plane)) continue;  // still on the plane: tells nothing
-        ++(off < kSmoothSlope * step.norm() ? soft : hard);
-      }
-    }
-    return soft + hard == 0 ? 0 : static_cast<double>(soft) / static_cast<double>(soft + hard);
+    if (turn <= kFlatTurn || gained <= kSamePlaneChi2) return false;
+    const bool deep = high - low > kGate * vertex_sigma;
+    // No plane bows by more than the angle at which two faces go on smoothly: then one of both signs will do.
+    const auto goes_on = [&] {
+      return soft_rim_share(reconstruction_, graph_, fitted_, f) > kGoesOnBothSides;
+    };
+    return turn > kSmoothSlope ? deep || goes_on() : deep && goes_on();
   }
 
   Regions regions_left(bool& changed) const {
@@ -242,6 +229,40 @@ class Selector {
 Selection select_faces(const Scan& scan, const Reconstruction& reconstruction, const SurfaceGraph& graph,
                        const FittedFaces& fitted) {
   return Selector(scan, reconstruction, graph, fitted).run();
+}
+
+double soft_rim_share(const Reconstruction& reconstruction, const SurfaceGraph& graph,
+                      const FittedFaces& fitted, size_t face, int32_t but_to) {
+  const double smooth_cosine = 1 / std::hypot(1, kSmoothSlope);
+  const PlaneFit& plane = fitted.fits[face];
+  const auto off_plane = [&](uint32_t n, const PlaneFit& p) {
+    return std::abs(p.normal.dot(reconstruction.vertices[n]) - p.d_mm);
+  };
+  const auto on_plane = [&](uint32_t n, const PlaneFit& p) {
+    return off_plane(n, p) <= kGate * vertex_sigma(reconstruction, n, p);
+  };
+  // A step across an edge to a vertex just below it is hardly steep: what is beyond tells by its plane, where
+  // it has one.
+  const auto goes_on = [&](uint32_t from, uint32_t to) {
+    const int32_t other = fitted.vertex_face[to];
+    if (other != kNoRegion)
+      return plane.normal.dot(fitted.fits[static_cast<size_t>(other)].normal) > smooth_cosine;
+    const Vec3 step = reconstruction.vertices[to] - reconstruction.vertices[from];
+    return off_plane(to, plane) < kSmoothSlope * step.norm();
+  };
+  size_t soft = 0, hard = 0;
+  for (uint32_t v = 0; v < graph.size(); ++v) {
+    if (fitted.vertex_face[v] != static_cast<int32_t>(face)) continue;
+    for (uint32_t n : graph.around(v)) {
+      if (fitted.vertex_face[n] == static_cast<int32_t>(face)) continue;
+      // What is still on the plane tells nothing.
+      if (on_plane(n, plane) ||
+          (but_to != kNoRegion && on_plane(n, fitted.fits[static_cast<size_t>(but_to)])))
+        continue;
+      ++(goes_on(v, n) ? soft : hard);
+    }
+  }
+  return soft + hard == 0 ? 0 : static_cast<double>(soft) / static_cast<double>(soft + hard);
 }
 
 std::vector<size_t> reportable(const Scan& scan, const Reconstruction& reconstruction,

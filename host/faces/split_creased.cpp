@@ -93,8 +93,10 @@ std::optional<Crease> best_crease(std::vector<Sample> samples, const Eigen::Vect
 
 }  // namespace
 
-Regions split_creased(const Scan& scan, const Reconstruction& reconstruction, const FittedFaces& fitted) {
-  Regions regions;
+Creased split_creased(const Scan& scan, const Reconstruction& reconstruction, const FittedFaces& fitted,
+                      const std::vector<size_t>& faces) {
+  Creased creased;
+  Regions& regions = creased.regions;
   regions.vertex_region = fitted.vertex_face;
   std::vector<std::vector<uint32_t>> members(fitted.fits.size());
   for (uint32_t i = 0; i < scan.size(); ++i) {
@@ -103,7 +105,7 @@ Regions split_creased(const Scan& scan, const Reconstruction& reconstruction, co
   for (const PlaneFit& fit : fitted.fits) regions.planes.push_back({fit.normal, fit.d_mm});
 
   const std::vector<double> sigma_mm = floored_sigma_mm(scan);
-  for (size_t f = 0; f < fitted.fits.size(); ++f) {
+  for (const size_t f : faces) {
     const PlaneFit& plane = fitted.fits[f];
     const Vec3 &u = plane.covariance.u, &v = plane.covariance.v;
     std::vector<Sample> samples;
@@ -123,6 +125,7 @@ Regions split_creased(const Scan& scan, const Reconstruction& reconstruction, co
         chi2 - crease->chi2 <= 2 * kSamePlaneChi2)
       continue;
     const auto second = static_cast<int32_t>(regions.planes.size());
+    creased.parted.push_back(f);
     PlaneSums side[2];
     for (const Sample& s : samples)
       side[crease->across.x() * s.a + crease->across.y() * s.b > crease->position ? 1 : 0].add(s);
@@ -142,7 +145,7 @@ Regions split_creased(const Scan& scan, const Reconstruction& reconstruction, co
         regions.vertex_region[w] = second;
     }
   }
-  return regions;
+  return creased;
 }
 
 }  // namespace tetragauge
