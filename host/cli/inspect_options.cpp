@@ -59,7 +59,14 @@ Result<int> InspectArguments::run(const Console& console, std::span<const Scan> 
                                   const std::string& model_path, const Tolerances& limits) const {
   Result<InspectionRun> inspection = tetragauge::inspect(scans, model, limits, inspect);
   if (!inspection) return inspection.error();
-  Report report{*inspection, scans, model, limits, {}, {model_path, ""}, {tolerances, ""}};
+  return report(console, *inspection, scans, scan_paths, model, model_path, limits);
+}
+
+Result<int> InspectArguments::report(const Console& console, const InspectionRun& inspection,
+                                     std::span<const Scan> scans, const std::vector<std::string>& scan_paths,
+                                     const Solid& model, const std::string& model_path,
+                                     const Tolerances& limits, const MeasuringStory* story) const {
+  Report report{inspection, scans, model, limits, {}, {model_path, ""}, {tolerances, ""}, story};
   for (const std::string& path : scan_paths) report.scan_files.push_back({path, ""});
   std::vector<ReportFile*> files{&report.model_file, &report.tolerances_file};
   for (ReportFile& file : report.scan_files) files.push_back(&file);
@@ -73,7 +80,7 @@ Result<int> InspectArguments::run(const Console& console, std::span<const Scan> 
   if (Status status = console.put_json(report_json(report)); !status) return status.error();
   console.print(report_text(report));
   console.say("report: " + (std::filesystem::path(out) / "report.txt").string());
-  return exit_code(inspection->inspection.verdict);
+  return exit_code(inspection.inspection.verdict);
 }
 
 }  // namespace tetragauge::cli

@@ -8,6 +8,7 @@
 
 #include "host/cli/input_options.hpp"
 #include "host/inspect/inspect.hpp"
+#include "host/report/measuring_story.hpp"
 
 namespace tetragauge::cli {
 
@@ -29,6 +30,11 @@ struct InspectArguments {
   Result<int> run(const Console& console, std::span<const Scan> scans,
                   const std::vector<std::string>& scan_paths, const Solid& model,
                   const std::string& model_path, const Tolerances& tolerances) const;
+  // The same for what is inspected already; `story`: how it was measured, if that is known.
+  Result<int> report(const Console& console, const InspectionRun& inspection, std::span<const Scan> scans,
+                     const std::vector<std::string>& scan_paths, const Solid& model,
+                     const std::string& model_path, const Tolerances& tolerances,
+                     const MeasuringStory* story = nullptr) const;
 };
 
 }  // namespace tetragauge::cli

@@ -46,6 +46,8 @@ std::string utc_now() {
   return text;
 }
 
+}  // namespace
+
 std::string counts_text(const ScanCounts& counts) {
   std::string text = std::to_string(counts.beams) + " beams: " + std::to_string(counts.points) + " points, " +
                      std::to_string(counts.table_points) + " on the table dropped";
@@ -59,8 +61,6 @@ std::string counts_text(const ScanCounts& counts) {
   }
   return text;
 }
-
-}  // namespace
 
 void ScanArguments::add(CLI::App& command) {
   command_ = &command;
@@ -120,7 +120,22 @@ Error ScanArguments::with_way_to_go_on(Error error) const {
   return error;
 }
 
-Result<MeasuredScan> ScanArguments::measure(const Console& console) {
+Result<std::optional<ScanPlan>> ScanArguments::given_plan() const {
+  if (plan.empty() || (journal_ && journal_->plan())) return std::optional<ScanPlan>{};
+  Result<ScanPlan> read = read_plan(plan);
+  if (!read) return read.error();
+  return std::optional(std::move(*read));
+}
+
+Status ScanArguments::keep(const Scan& scan) {
+  if (Status written = write_scan(out_, scan); !written)
+    return journal_ ? with_way_to_go_on(written.error()) : written.error();
+  if (journal_) journal_->remove();
+  journal_.reset();
+  return Done{};
+}
+
+Status ScanArguments::in_session(const Console& console, const SessionWork& work) {
   if (!journal_) {
     start_time_ = utc_now();
     auto begun = ScanJournal::begin(journal_of(out_), order());
@@ -130,36 +145,18 @@ Result<MeasuredScan> ScanArguments::measure(const Console& console) {
     console.say(journal_->path().string() + ": its last " + std::to_string(journal_->bytes_cut()) +
                 " bytes are damaged; what was in them is measured again");
   }
-  Result<MeasuredScan> measured = measure_with_journal(console);
-  if (measured) {
-    if (Status written = write_scan(out_, measured->scan); !written)
-      return with_way_to_go_on(written.error());
-    journal_->remove();
-    return measured;
-  }
-  if (journal_->items() > 0) return with_way_to_go_on(measured.error());
+  const Status done = work_on_machine(console, work);
+  if (!journal_) return done;  // the scan is kept
+  if (!done && journal_->items() > 0) return with_way_to_go_on(done.error());
   journal_->remove();
-  return measured;
+  return done;
 }
 
-Result<MeasuredScan> ScanArguments::measure_with_journal(const Console& console) {
+Status ScanArguments::work_on_machine(const Console& console, const SessionWork& work) {
   StopOnSignal stop_on_signal;
-  std::optional<ScanPlan> given;
-  if (!plan.empty() && !journal_->plan()) {
-    Result<ScanPlan> read = read_plan(plan);
-    if (!read) return read.error();
-    given = std::move(*read);
-  }
   Result<OpenMachine> opened = machine.open();
   if (!opened) return opened.error();
-  Result<MeasuredScan> measured = measure_on(*opened, std::move(given), console);
-  if (!measured) return opened->explain(measured.error());
-  return measured;
-}
-
-Result<MeasuredScan> ScanArguments::measure_on(OpenMachine& opened, std::optional<ScanPlan> given,
-                                               const Console& console) {
-  Link& link = *opened.link;
+  Link& link = *opened->link;
   ProgressLine progress_line(!console.quiet && ::isatty(STDERR_FILENO));
   ScanOptions options;
   options.keep_table = keep_table;
@@ -167,7 +164,7 @@ Result<MeasuredScan> ScanArguments::measure_on(OpenMachine& opened, std::optiona
   options.operator_name = operator_name;
   const bool emulated = (link.machine().capabilities & tg_Capability_CAPABILITY_EMULATED) != 0;
   if (!emulated) options.start_time = start_time_;
-  if (opened.emulated) options.seed = machine.emulated.seed;
+  if (opened->emulated) options.seed = machine.emulated.seed;
   options.stop = &stop_requested;
   options.journal = journal_.get();
   options.log = [&](const std::string& line) {
@@ -175,23 +172,31 @@ Result<MeasuredScan> ScanArguments::measure_on(OpenMachine& opened, std::optiona
     console.say(line);
   };
   options.on_progress = [&](const ScanProgress& progress) { progress_line.show(progress); };
-
-  if (journal_->plan()) {
-    Result<MeasuredScan> resumed = resume_scan(link, options);
-    progress_line.end();
-    if (resumed) console.say(counts_text(resumed->counts));
-    return resumed;
-  }
-  if (!given) {
-    Result<ScanPlan> laid_out = tetragauge::default_plan(link, default_plan, options);
-    progress_line.end();
-    if (!laid_out) return laid_out.error();
-    given = std::move(*laid_out);
-  }
-  Result<MeasuredScan> measured = run_scan(link, *given, options);
+  const Status done = work(link, options);
   progress_line.end();
-  if (measured) console.say(counts_text(measured->counts));
-  return measured;
+  return done ? done : Status(opened->explain(done.error()));
+}
+
+Result<MeasuredScan> ScanArguments::measure(const Console& console) {
+  Result<std::optional<ScanPlan>> given = given_plan();
+  if (!given) return given.error();
+  std::optional<MeasuredScan> out;
+  const Status done = in_session(console, [&](Link& link, const ScanOptions& options) -> Status {
+    const bool is_resumed = options.journal->plan().has_value();
+    if (!is_resumed && !*given) {
+      Result<ScanPlan> laid_out = tetragauge::default_plan(link, default_plan, options);
+      if (!laid_out) return laid_out.error();
+      *given = std::move(*laid_out);
+    }
+    Result<MeasuredScan> measured =
+        is_resumed ? resume_scan(link, options) : run_scan(link, **given, options);
+    if (!measured) return measured.error();
+    options.log(counts_text(measured->counts));
+    out = std::move(*measured);
+    return keep(out->scan);
+  });
+  if (!done) return done.error();
+  return std::move(*out);
 }
 
 nlohmann::ordered_json counts_json(const ScanCounts& counts) {

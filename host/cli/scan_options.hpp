@@ -30,12 +30,19 @@ struct ScanArguments {
   // aborted, laser off), what was measured is kept in the journal.
   Result<MeasuredScan> measure(const Console& console);
 
+  // The same for more than a scan: opens the machine, with a journal in the options, has `work` measure, and
+  // closes it. `work` calls keep() as soon as the scan is whole; until then an error leaves the journal.
+  using SessionWork = std::function<Status(Link&, const ScanOptions&)>;
+  Status in_session(const Console& console, const SessionWork& work);
+  Status keep(const Scan& scan);
+  // Of --plan; none where the journal has one.
+  Result<std::optional<ScanPlan>> given_plan() const;
+
  private:
   // What a resumed scan has to know (scan_order.cpp).
   nlohmann::ordered_json order() const;
   Status take_order(const nlohmann::ordered_json& order);
-  Result<MeasuredScan> measure_with_journal(const Console& console);
-  Result<MeasuredScan> measure_on(OpenMachine& opened, std::optional<ScanPlan> given, const Console& console);
+  Status work_on_machine(const Console& console, const SessionWork& work);
   Error with_way_to_go_on(Error error) const;
 
   CLI::App* command_ = nullptr;
@@ -44,6 +51,8 @@ struct ScanArguments {
   std::unique_ptr<ScanJournal> journal_;
 };
 
+// "77606 beams: 46051 points, ...; 244 s of the machine's time, 318 beams/s"
+std::string counts_text(const ScanCounts& counts);
 nlohmann::ordered_json counts_json(const ScanCounts& counts);
 
 }  // namespace tetragauge::cli

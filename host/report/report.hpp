@@ -12,6 +12,7 @@
 #include "host/inspect/inspect.hpp"
 #include "host/match/match_procrustes.hpp"
 #include "host/match/pair_changes.hpp"
+#include "host/report/measuring_story.hpp"
 
 namespace tetragauge {
 
@@ -27,6 +28,7 @@ struct Report {
   const Tolerances& tolerances;
   std::vector<ReportFile> scan_files;  // one per scan
   ReportFile model_file, tolerances_file;
+  const MeasuringStory* story = nullptr;  // of a part that was just measured
 };
 
 // The files of write_report, in the order in which they appear: the verdict last.

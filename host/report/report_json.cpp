@@ -125,6 +125,28 @@ ordered_json extra_face_json(const ExtraFace& extra) {
           {"scan", extra.set_up + 1}};
 }
 
+ordered_json doubts_json(const Doubts& in) {
+  return {{"doubtful", in.doubtful},     {"doubtful_mm3", json_number(in.doubtful_mm3)},
+          {"resolvable", in.resolvable}, {"resolvable_mm3", json_number(in.resolvable_mm3)},
+          {"undecided", in.undecided},   {"not_measured", in.not_measured}};
+}
+
+ordered_json story_json(const MeasuringStory& story) {
+  ordered_json rounds = ordered_json::array();
+  for (const MeasuringRound& round : story.rounds) {
+    rounds.push_back({{"rays", round.rays},
+                      {"views", round.views},
+                      {"points", round.points},
+                      {"before", doubts_json(round.before)},
+                      {"after", doubts_json(round.after)},
+                      {"machine_s", json_number(round.machine_s)}});
+  }
+  return {{"plan", story.plan},
+          {"rounds", rounds},
+          {"rounds_end", story.end},
+          {"interruption", story.interruption}};
+}
+
 ordered_json file_json(const ReportFile& file) {
   if (file.name.empty()) return nullptr;
   return {{"name", file.name}, {"sha256", file.sha256}};
@@ -196,6 +218,7 @@ ordered_json report_json(const Report& report) {
   json["further_set_ups"] = ordered_json::array();
   for (size_t k = 1; k < report.run.set_ups.size(); ++k)
     json["further_set_ups"].push_back(further_set_up_json(report, k));
+  if (report.story) json.update(story_json(*report.story));
   json["input"] = {{"scan", file_json(report.scan_files.front())},
                    {"model", file_json(report.model_file)},
                    {"tolerances", file_json(report.tolerances_file)},

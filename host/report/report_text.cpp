@@ -77,6 +77,25 @@ std::string head(const Report& report) {
   return out;
 }
 
+std::string story_lines(const MeasuringStory& story) {
+  std::string out = wrapped("measured by: " + story.plan);
+  for (size_t k = 0; k < story.rounds.size(); ++k) {
+    const MeasuringRound& round = story.rounds[k];
+    const Doubts &before = round.before, &after = round.after;
+    out += wrapped(
+        print("round %zu: %zu directions, %zu views, %zu points, %.0f s of the machine's time; in doubt "
+              "%.1f -> %.1f mm3, of it to be decided by a ray %.1f -> %.1f mm3; faces undecided %zu -> "
+              "%zu, not measured %zu -> %zu",
+              k + 1, round.rays, round.views, round.points, round.machine_s, before.doubtful_mm3,
+              after.doubtful_mm3, before.resolvable_mm3, after.resolvable_mm3, before.undecided,
+              after.undecided, before.not_measured, after.not_measured));
+  }
+  if (!story.end.empty()) out += wrapped("re-measuring ended: " + story.end);
+  if (!story.interruption.empty())
+    out += wrapped("RE-MEASURING BROKEN OFF, judged from what was measured before: " + story.interruption);
+  return out;
+}
+
 std::string remarks(const Report& report) {
   const Inspection& inspection = report.run.inspection;
   std::string out;
@@ -101,6 +120,7 @@ std::string report_text(const Report& report) {
     if (report.run.set_ups.size() > 1) out += print("scan %zu, ", k + 1);
     out += pose_lines(report.run.set_ups[k].match);
   }
+  if (report.story) out += "\n" + story_lines(*report.story);
   out += "\n" + faces_table(report);
   if (const std::string text = remarks(report); !text.empty()) out += "\n" + text;
   if (const std::string table = surface_table(report); !table.empty()) out += "\n" + table;

@@ -29,7 +29,8 @@ EDGES = {
     'host/session': ['host/link', 'host/scan'],
     # The firmware's own rules say how long it takes, its optics where it reaches.
     'host/plan': ['host/session', 'host/solid', 'firmware'],
-    'host/cli': ['host/plan', 'host/report', 'host/history', 'host/simulate'],
+    'host/measure': ['host/plan', 'host/report'],
+    'host/cli': ['host/measure', 'host/history', 'host/simulate'],
     'protocol': [],
     'firmware': ['protocol'],
     'firmware/optics': [],

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What an inspection leaves in doubt, and what the machine can do about it.
+#pragma once
+
+#include <map>
+#include <span>
+#include <vector>
+
+#include "host/inspect/inspect.hpp"
+#include "host/plan/plan_part.hpp"
+#include "host/report/measuring_story.hpp"
+#include "host/session/measure_rays.hpp"
+
+namespace tetragauge {
+
+// Directions that were shot at doubtful tetrahedra already: shooting the same again sees the same.
+struct TriedRay {
+  StagePlace place;
+  Vec3 at_mm = Vec3::Zero();  // part frame
+};
+
+// Single directions that would decide tetrahedra in doubt, by place of the stage in the order of its way.
+struct DoubtRays {
+  std::vector<SingleRay> rays;
+  std::vector<TriedRay> tried;  // what they add to it
+  size_t tetrahedra = 0;        // that a legal ray could still decide
+  double volume_mm3 = 0;
+};
+
+// A ray is legal when the mirrors reach, nothing of the model is in its way before the tetrahedron, and beam
+// and a camera see where it ends within the largest incidence. It can decide when its way through the
+// tetrahedron is longer than what its own noise leaves open. Needs a reconstruction that keeps its
+// tetrahedra.
+DoubtRays rays_at_doubts(const PlanningMachine& machine, const RayCaster& caster,
+                         const RigidTransform& T_part_model, const Reconstruction& reconstruction,
+                         double max_incidence_rad, std::span<const TriedRay> tried,
+                         const MachineStance& stance);
+
+// Rasters for faces that are not measured, or not where they could be seen, and for faces whose verdict more
+// points can decide.
+struct FaceLooks {
+  ScanPlan views;
+  std::vector<int> uncovered, undecided;  // ids of the faces they are for
+};
+struct FaceLooksInput {
+  const PlanningMachine& machine;
+  const Solid& model;
+  const RayCaster& caster;
+  const RigidTransform& T_part_model;
+  const Tolerances& tolerances;
+  const Inspection& inspection;
+  const PlanPartOptions& options;
+  std::span<const Vec3> points_mm;  // of the scan, part frame
+  double u_cal_mm = 0;
+  const std::map<int, int>& looked_at;  // how often each face was gone back to already
+};
+FaceLooks looks_at_faces(const FaceLooksInput& in, const MachineStance& stance);
+
+// Counted for the report.
+Doubts count_doubts(const InspectionRun& run, const DoubtRays& open);
+
+}  // namespace tetragauge
