@@ -50,5 +50,6 @@ void add_model(CLI::App& app, Console& console, Run& run);
 void add_match(CLI::App& app, Console& console, Run& run);
 void add_inspect(CLI::App& app, Console& console, Run& run);
 void add_history(CLI::App& app, Console& console, Run& run);
+void add_teach(CLI::App& app, Console& console, Run& run);
 
 }  // namespace tetragauge::cli

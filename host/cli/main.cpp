@@ -43,6 +43,7 @@ int main(int argc, char** argv) {
   cli::add_match(app, console, run);
   cli::add_inspect(app, console, run);
   cli::add_history(app, console, run);
+  cli::add_teach(app, console, run);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {  // --help, --version

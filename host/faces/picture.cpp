@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "host/faces/picture.hpp"
 
-#include <png.h>
-
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -88,17 +87,7 @@ void Picture::put(const Picture& part, int left, int top) {
 }
 
 std::string Picture::png() const {
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  image.width = static_cast<png_uint_32>(width_);
-  image.height = static_cast<png_uint_32>(height_);
-  image.format = PNG_FORMAT_RGB;
-  png_alloc_size_t size = 0;
-  png_image_write_to_memory(&image, nullptr, &size, 0, colour_.data(), 0, nullptr);
-  std::string bytes(size, '\0');
-  if (!png_image_write_to_memory(&image, bytes.data(), &size, 0, colour_.data(), 0, nullptr)) return {};
-  bytes.resize(size);
-  return bytes;
+  return encode_png(colour_, static_cast<size_t>(width_));
 }
 
 }  // namespace tetragauge

@@ -2,16 +2,13 @@
 // A picture in memory, what is drawn into it, and PNG.
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <string>
 #include <vector>
 
+#include "host/base/encode_png.hpp"
 #include "host/geometry/vec.hpp"
 
 namespace tetragauge {
-
-using Colour = std::array<uint8_t, 3>;  // red, green, blue
 
 // Rows from the top; depth: larger is nearer.
 class Picture {

@@ -9,6 +9,7 @@
 #include "host/base/parse_json.hpp"
 #include "host/base/whole_file.hpp"
 #include "host/session/plan.hpp"
+#include "host/session/plan_limits.hpp"
 
 namespace tetragauge {
 namespace {
@@ -42,13 +43,14 @@ struct Range {
   const char* beyond;  // why
 };
 
-constexpr Range kTable{-180, 360,
+constexpr Range kTable{kTableLowest_deg, kTableHighest_deg,
                        "the table's soft limits of -180 to 360 degrees; use the same angle within them"};
-constexpr Range kSlide{0, 300, "the slide's 300 mm; lower it or re-home with a longer slide"};
-constexpr Range kWindow{-110, 110,
+constexpr Range kSlide{kSlideLowest_mm, kSlideHighest_mm,
+                       "the slide's 300 mm; lower it or re-home with a longer slide"};
+constexpr Range kWindow{-kWindowReach_mm, kWindowReach_mm,
                         "what the mirrors reach and the cameras see, 110 mm either side; narrow the window"};
-constexpr Range kPitch{0.02, 50, "0.02 to 50 mm"};
-constexpr Range kSamples{2, 4096, "2 to 4096 samples"};
+constexpr Range kPitch{kFinestPitch_mm, kCoarsestPitch_mm, "0.02 to 50 mm"};
+constexpr Range kSamples{kFewestSamples, kMostSamples, "2 to 4096 samples"};
 
 Status read_number(const json& value, const std::string& place, const Range& range, double& out) {
   if (!value.is_number() || !std::isfinite(value.get<double>()))

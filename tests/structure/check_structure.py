@@ -30,7 +30,8 @@ EDGES = {
     # The firmware's own rules say how long it takes, its optics where it reaches.
     'host/plan': ['host/session', 'host/solid', 'firmware'],
     'host/measure': ['host/plan', 'host/report'],
-    'host/cli': ['host/measure', 'host/history', 'host/simulate'],
+    'host/teach': ['host/session'],
+    'host/cli': ['host/teach', 'host/measure', 'host/history', 'host/simulate'],
     'protocol': [],
     'firmware': ['protocol'],
     'firmware/optics': [],
