@@ -4,27 +4,39 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <tuple>
 
 namespace tetragauge {
 namespace {
 
-constexpr double kReach =
-    2.5;  // in spacings: some 20 points, so that their mean's noise is under a quarter of one's
+constexpr double kNear = 2.5;      // in spacings: no point within that is a gap
+constexpr double kFarthest = 8.0;  // in spacings: a mean over more would hide form
+constexpr double kCalm = 0.1;      // the mean's noise, in limits: hardly a colour
+
+// How many spacings a mean must reach to be calm. The biweight's effective number of points is 5 pi / 9 of
+// those in a square of the reach.
+double reach_in_spacings(double noise_mm, double limit_mm) {
+  if (!(limit_mm > 0)) return kNear;
+  const double wanted = std::pow(noise_mm / (kCalm * limit_mm), 2);
+  return std::clamp(std::sqrt(wanted * 9 / (5 * std::numbers::pi)), kNear, kFarthest);
+}
 
 // A face's points by cubes of side `reach_mm`; all that are nearer than that lie in the 27 cubes about a
 // place.
 class Neighbourhood {
  public:
-  Neighbourhood(const std::vector<std::pair<Vec3, double>>& values, double reach_mm) : reach_mm_(reach_mm) {
+  Neighbourhood(const std::vector<std::pair<Vec3, double>>& values, double near_mm, double reach_mm)
+      : near_mm_(near_mm), reach_mm_(reach_mm) {
     for (const auto& [p, value] : values) entries_.push_back({cell(p), p, value});
     std::stable_sort(entries_.begin(), entries_.end(),
                      [](const Entry& a, const Entry& b) { return a.cell < b.cell; });
   }
 
-  // Nearer points weigh more: (1 - r^2)^2, the biweight.
+  // Nearer points weigh more: (1 - r^2)^2, the biweight. NaN when none is near.
   double mean(const Vec3& p) const {
     double sum = 0, weights = 0;
+    bool is_near = false;
     const auto [x, y, z] = cell(p);
     for (int64_t i = x - 1; i <= x + 1; ++i) {
       for (int64_t j = y - 1; j <= y + 1; ++j) {
@@ -32,14 +44,16 @@ class Neighbourhood {
         auto at = std::lower_bound(entries_.begin(), entries_.end(), first,
                                    [](const Entry& entry, const Cell& cell) { return entry.cell < cell; });
         for (; at != entries_.end() && at->cell <= last; ++at) {
-          const double inside = 1 - (at->point - p).squaredNorm() / (reach_mm_ * reach_mm_);
+          const double squared = (at->point - p).squaredNorm();
+          const double inside = 1 - squared / (reach_mm_ * reach_mm_);
           if (inside <= 0) continue;
+          is_near |= squared < near_mm_ * near_mm_;
           sum += inside * inside * at->value;
           weights += inside * inside;
         }
       }
     }
-    return weights > 0 ? sum / weights : std::numeric_limits<double>::quiet_NaN();
+    return is_near ? sum / weights : std::numeric_limits<double>::quiet_NaN();
   }
 
  private:
@@ -54,7 +68,7 @@ class Neighbourhood {
     return {along(0), along(1), along(2)};
   }
 
-  double reach_mm_;
+  double near_mm_, reach_mm_;
   std::vector<Entry> entries_;
 };
 
@@ -73,7 +87,10 @@ std::vector<float> deviation_field(const DisplayMesh& mesh, const Report& report
     const double area_mm2 = report.model.faces()[k].area_mm2 * std::max(0.05, inspection.faces[k].coverage);
     const double spacing_mm =
         std::sqrt(area_mm2 / static_cast<double>(std::max<size_t>(1, of_face[k].size())));
-    fields.emplace_back(of_face[k], std::max(1e-9, kReach * spacing_mm));
+    const double limit = offset_limit(report.tolerances.of(report.model.faces()[k]));
+    const double reach =
+        reach_in_spacings(inspection.faces[k].rms_mm, limit < 1e300 ? limit : 0) * spacing_mm;
+    fields.emplace_back(of_face[k], kNear * spacing_mm, std::max(1e-9, reach));
   }
   std::vector<float> field;
   field.reserve(mesh.vertices.size());

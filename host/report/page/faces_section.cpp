@@ -45,8 +45,11 @@ Decision decision(const ordered_json& face) {
           is_angle};
 }
 
-double strain(const ordered_json& face) {  // share of the limit that is used up
+// Share of the limit that is used up. A face that fails without a number is not there, or not where it should
+// be: worse than any that has one.
+double strain(const ordered_json& face) {
   const Decision d = decision(face);
+  if (d.deviation.is_null() && face["verdict"] == "fail") return 1e300;
   if (!d.deviation.is_number() || !d.limit.is_number() || !(d.limit.get<double>() > 0)) return 0;
   return std::abs(d.deviation.get<double>()) / d.limit.get<double>();
 }
@@ -60,7 +63,7 @@ std::string bullet(const Decision& d) {
   const auto x = [&](double value) { return std::clamp(60 + 30 * value / limit, 3.0, 117.0); };
   const double at = d.deviation.get<double>(), U = d.U.get<double>();
   std::string svg =
-      "<svg class=\"bullet\" width=\"120\" height=\"16\" viewBox=\"0 0 120 16\" aria-hidden=\"true\">"
+      "<svg class=\"bullet\" width=\"92\" height=\"16\" viewBox=\"0 0 120 16\" aria-hidden=\"true\">"
       "<rect class=\"zone\" x=\"30\" y=\"3\" width=\"60\" height=\"10\"/>"
       "<path class=\"axis\" d=\"M60 1V15\"/><path class=\"limit\" d=\"M30 1V15M90 1V15\"/>";
   svg += print("<path class=\"u\" d=\"M%.1f 8H%.1f\"/>", x(at - U), std::max(x(at + U), x(at - U) + 0.5));
@@ -93,11 +96,16 @@ std::string row(const ordered_json& face) {
   out += "<td class=\"verdict\"><span class=\"badge " + verdict + "\"><span aria-hidden=\"true\">" +
          sign.symbol + "</span> " + sign.word + "</span></td>";
   cell(html_text(std::string(face["type"])), "text");
-  cell(by.empty() ? "–" : html_text(by), "text");
-  cell(html_number(d.deviation, 3, true) + (d.is_angle ? " mrad" : ""));
-  cell(html_number(d.U, 3));
-  cell(html_number(d.limit, 3));
-  cell(bullet(d), "graph");
+  const std::string reason = html_text(face.value("reason", std::string()));
+  if (by.empty() && !reason.empty()) {
+    out += "<td class=\"reason\" colspan=\"5\" title=\"" + reason + "\"><div>" + reason + "</div></td>";
+  } else {
+    cell(by.empty() ? "–" : html_text(by), "text");
+    cell(html_number(d.deviation, 3, true) + (d.is_angle ? " mrad" : ""));
+    cell(html_number(d.U, 3));
+    cell(html_number(d.limit, 3));
+    cell(bullet(d), "graph");
+  }
   cell(html_number(at_path(deviations, {"offset_mm"}), 3, true));
   cell(html_number(at_path(deviations, {"tilt_mrad"}), 2));
   cell(html_number(at_path(deviations, {"form_mm"}), 3));
@@ -137,11 +145,12 @@ std::string faces_section(const ordered_json& json) {
       "<section id=\"faces\"><h2>Faces</h2>\n<div class=\"scroll\"><table class=\"faces\">"
       "<caption>Worst first. Lengths in mm, + is excess material, U at k = 2.</caption>\n<thead><tr>"
       "<th scope=\"col\">Face</th><th scope=\"col\">Verdict</th><th scope=\"col\">Type</th>"
-      "<th scope=\"col\">Judged by</th><th scope=\"col\">Deviation</th><th scope=\"col\">± U</th>"
-      "<th scope=\"col\">± Limit</th><th scope=\"col\"><span "
-      "class=\"limits-head\">−limit&emsp;+limit</span></th>"
-      "<th scope=\"col\">Offset</th><th scope=\"col\">Tilt mrad</th><th scope=\"col\">Form</th>"
-      "<th scope=\"col\">Covered</th><th scope=\"col\">Points</th></tr></thead>\n<tbody>\n";
+      "<th scope=\"col\">Judged by</th><th scope=\"col\" class=\"number\">Deviation</th>"
+      "<th scope=\"col\" class=\"number\">± U</th><th scope=\"col\" class=\"number\">± Limit</th>"
+      "<th scope=\"col\"><span class=\"limits-head\">−limit&emsp;+limit</span></th>"
+      "<th scope=\"col\" class=\"number\">Offset</th><th scope=\"col\" class=\"number\">Tilt mrad</th>"
+      "<th scope=\"col\" class=\"number\">Form</th><th scope=\"col\" class=\"number\">Covered</th>"
+      "<th scope=\"col\" class=\"number\">Points</th></tr></thead>\n<tbody>\n";
   for (const ordered_json& face : faces) out += row(face);
   return out + "</tbody></table></div></section>\n";
 }

@@ -9,13 +9,18 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// A name or a number as it is, a file with its hash, a list or a block as its JSON.
+// A name as it is, a number to six digits, a file with its hash, a list with its entries.
 std::string value_html(const ordered_json& value) {
   if (value.is_string()) return html_text(value.get<std::string>());
+  if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
+  if (value.is_number_float()) return print("%.6g", value.get<double>());
   if (value.is_object() && value.contains("sha256"))
     return html_text(value.value("name", std::string())) + " <span class=\"hash\">sha256&nbsp;" +
            html_text(value.value("sha256", std::string())) + "</span>";
-  return html_text(value.dump());
+  if (!value.is_array()) return html_text(value.dump());
+  std::string out;
+  for (const ordered_json& entry : value) out += (out.empty() ? "" : ", ") + value_html(entry);
+  return "(" + out + ")";
 }
 
 // Key "u_cal_mm" as "u cal, mm".

@@ -27,25 +27,26 @@ double limit_of(const Report& report, const Face& face) {
   return limit < 1e300 && !report.tolerances.skip.contains(face.id) ? limit : 0;
 }
 
+double middle_of(std::vector<double>& values, double share) {
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
 // What the colours are about: the limit that most faces have; without any the deviation that 19 of 20 points
 // keep to.
-double typical_limit(const Report& report) {
-  std::vector<double> limits;
+double typical_limit(const Report& report, bool& has_limits) {
+  std::vector<double> values;
   for (const Face& face : report.model.faces())
-    if (const double limit = limit_of(report, face); limit > 0) limits.push_back(limit);
-  if (limits.empty()) {
-    const Inspection& inspection = report.run.inspection;
-    for (size_t i = 0; i < inspection.point_face.size(); ++i)
-      if (inspection.point_face[i] > 0)
-        limits.push_back(std::abs(static_cast<double>(inspection.point_deviation_mm[i])));
-    if (limits.empty()) return 1;
-    const auto at = limits.begin() + static_cast<std::ptrdiff_t>((limits.size() - 1) * 19 / 20);
-    std::nth_element(limits.begin(), at, limits.end());
-    return std::max(1e-6, *at);
-  }
-  std::nth_element(limits.begin(), limits.begin() + static_cast<std::ptrdiff_t>(limits.size() / 2),
-                   limits.end());
-  return limits[limits.size() / 2];
+    if (const double limit = limit_of(report, face); limit > 0) values.push_back(limit);
+  has_limits = !values.empty();
+  if (has_limits) return middle_of(values, 0.5);
+  const Inspection& inspection = report.run.inspection;
+  for (size_t i = 0; i < inspection.point_face.size(); ++i)
+    if (inspection.point_face[i] > 0)
+      values.push_back(std::abs(static_cast<double>(inspection.point_deviation_mm[i])));
+  return values.empty() ? 1 : std::max(1e-6, middle_of(values, 0.95));
 }
 
 // SplitMix64 (Steele, Lea, Flood, OOPSLA 2014): a choice of points without the stripes that every n-th would
@@ -183,7 +184,8 @@ ordered_json page_data(const Report& report, ordered_json json) {
   const Vec3 margin =
       Vec3::Constant(0.5 * (report.model.box_max_mm - report.model.box_min_mm).maxCoeff() + 1e-6);
   const Box box{report.model.box_min_mm - margin, report.model.box_max_mm + margin};
-  const double limit_mm = typical_limit(report);
+  bool has_limits = false;
+  const double limit_mm = typical_limit(report, has_limits);
   const double unit_mm = limit_mm / kStepsToLimit;
   const std::vector<Vec3> points = points_in_model(report);
   return {{"report", std::move(json)},
@@ -191,7 +193,7 @@ ordered_json page_data(const Report& report, ordered_json json) {
           {"part_mm", {json_matrix(report.model.box_min_mm), json_matrix(report.model.box_max_mm)}},
           {"unit_mm", json_number(unit_mm)},
           {"limit_mm", json_number(limit_mm)},
-          {"has_limits", report.tolerances.given},
+          {"has_limits", has_limits},
           {"mesh", mesh_json(report, points, box, unit_mm)},
           {"points", points_json(report, points, box, unit_mm)},
           {"extra_patches", extra_json(report, box)},

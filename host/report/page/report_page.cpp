@@ -19,6 +19,13 @@ std::string file_name(const ordered_json& file) {
   return name.substr(name.find_last_of('/') + 1);
 }
 
+// The terminal's +- as it is printed.
+std::string typeset(std::string text) {
+  for (size_t at = text.find("+-"); at != std::string::npos; at = text.find("+-", at))
+    text.replace(at, 2, "±");
+  return text;
+}
+
 // What stands under the verdict: which part, which files.
 std::string summary(const ordered_json& json) {
   const ordered_json& input = json["input"];
@@ -42,7 +49,7 @@ std::string report_page(const Report& report) {
   ordered_json json = valid_text(report_json(report));
   json.erase("timing_s");
   const std::string verdict = json["verdict"];
-  const std::string line = html_text(verdict_line(report));
+  const std::string line = typeset(html_text(verdict_line(report)));
   const std::string part = html_text(file_name(json["input"]["model"]));
   std::string page =
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"

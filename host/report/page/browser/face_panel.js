@@ -46,7 +46,7 @@ function histogram(face, fullColour) {
   const bars = counts.map((count, k) => {
     const tall = (count / most) * (height - 8);
     const mm = ((k + 0.5) / counts.length) * 2 * half - half;
-    return svg('rect', {x: k * step + 0.4, y: height - tall, width: step - 0.8, height: tall, fill: css(colourAt(kDiverging, mm / fullColour)), class: 'bar'});
+    return svg('rect', {x: k * step + 0.4, y: height - tall, width: step - 0.8, height: tall, fill: css(colourAt(kDiverging, mm / fullColour)), class: 'column'});
   });
   const lines = [svg('path', {class: 'zero', d: `M${x(0)} 0V${height}`})];
   const labels = [svg('text', {x: x(0), y: height + 13, 'text-anchor': 'middle'}, '0')];

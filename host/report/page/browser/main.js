@@ -115,6 +115,7 @@ function start() {
   const worst = data.report.faces.filter((face) => face.verdict === 'fail' || face.verdict === 'undecided');
   if (asked) selection.choose(Number(asked[1]), 'link');
   else if (worst.length) selection.choose(Number(document.querySelector('tr[data-face]').dataset.face), 'start');
+  performance.mark('ready');
   document.documentElement.dataset.ready = 'yes';
 }
 

@@ -73,6 +73,8 @@ export class PartView {
     geometry.setAttribute('deviation', new BufferAttribute(points.deviations, 1));
     geometry.setAttribute('face', new BufferAttribute(Float32Array.from(points.faces), 1));
     this.pointMaterial = pointMaterial();
+    // Depth runs from 0 to 20 radii: two per cent of one towards the eye.
+    this.pointMaterial.uniforms.towards.value = 0.002;
     this.points = new Points(geometry, this.pointMaterial);
     this.points.matrixAutoUpdate = false;
     this.points.frustumCulled = false;
@@ -173,10 +175,23 @@ export class PartView {
     if (Math.hypot(away.x, away.y) < 1e-3) away.y = -1e-3;
     this.controls.target.copy(this.middle);
     this.camera.position.copy(this.middle).addScaledVector(away.normalize(), 10 * this.radius);
+    this.controls.update();
+    this.fit();
+    this.draw();
+  }
+
+  /** Zooms so that the box about the part fills the picture. */
+  fit() {
     this.camera.zoom = 1;
     this.camera.updateProjectionMatrix();
-    this.controls.update();
-    this.draw();
+    this.camera.updateMatrixWorld();
+    let most = 1e-3;
+    for (let k = 0; k < 8; ++k) {
+      const at = new Vector3(...[0, 1, 2].map((axis) => this.data.part[(k >> axis) & 1][axis])).project(this.camera);
+      most = Math.max(most, Math.abs(at.x), Math.abs(at.y));
+    }
+    this.camera.zoom = 0.88 / most;
+    this.camera.updateProjectionMatrix();
   }
 
   turn(across, up) {
@@ -252,11 +267,11 @@ export class PartView {
     const ratio = Math.min(2, window.devicePixelRatio || 1);
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height, false);
-    const tall = 1.06 * this.radius * Math.max(1, height / width);
+    const tall = this.radius * Math.max(1, height / width);
     Object.assign(this.camera, {left: (-tall * width) / height, right: (tall * width) / height, top: tall, bottom: -tall});
     this.camera.updateProjectionMatrix();
     for (const material of [this.faceMaterial, this.pointMaterial, this.findings.material]) material.uniforms.pixel.value = ratio;
-    this.pointMaterial.uniforms.towards.value = 0.001;
+    this.fit();
     this.draw();
   }
 
