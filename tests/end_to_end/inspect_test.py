@@ -44,7 +44,7 @@ class Inspect(cl.CommandLineTest):
             self.assertEqual(written, report)
             # Byte by byte, but for the timing.
             texts.append((json.dumps(written), self.read(f'report{run}/report.txt'), self.read(f'report{run}/faces.csv'),
-                          self.read(f'report{run}/deviation.ply')))
+                          self.read(f'report{run}/deviation.ply'), self.read(f'report{run}/report.html')))
         for other in texts[1:]:
             self.assertEqual(other, texts[0])
 
@@ -54,7 +54,7 @@ class Inspect(cl.CommandLineTest):
                         datums={'A': BOTTOM, 'B': LEFT, 'C': FRONT})
         report = self.run_json('inspect', 'scan.ply', '--model', cl.NOMINAL, '--tolerances', 'tolerances.json', '--out', 'report', codes=(1,))
         self.check_schema(report)
-        self.assertEqual(sorted(os.listdir(self.path('report'))), ['deviation.ply', 'faces.csv', 'report.json', 'report.txt'])
+        self.assertEqual(sorted(os.listdir(self.path('report'))), ['deviation.ply', 'faces.csv', 'report.html', 'report.json', 'report.txt'])
         self.assertEqual(report['verdict'], 'fail')
         self.assertEqual([d['face'] for d in report['alignment']['datums']], [BOTTOM, LEFT, FRONT])
         failed = [f for f in report['faces'] if f['verdict'] == 'fail']
