@@ -16,7 +16,7 @@ constexpr double kWorthwhileShare = 0.05;
 constexpr double kCoveredPitches = 2.5;
 // More than so many times the points is not worth the time, and finer than the spot not worth having.
 constexpr double kMostTimesPoints = 30;
-constexpr double kFinestPitch_mm = 0.1;
+constexpr double kFinestUseful_mm = 0.1;
 // What two looks did not show, a third will not.
 constexpr int kMostLooks = 2;
 
@@ -77,8 +77,9 @@ class Looker {
     const double share = std::min(1.0, seen / std::max(1e-9, area_mm2));
     const double for_points =
         std::sqrt(0.5 * seen / (share * static_cast<double>(in_.options.points_per_face)));
-    const double pitch = std::max(
-        kFinestPitch_mm, std::floor(100 * std::min({most_pitch_mm, for_points, in_.options.pitch_mm})) / 100);
+    const double pitch =
+        std::max(kFinestUseful_mm,
+                 std::floor(100 * std::min({most_pitch_mm, for_points, in_.options.pitch_mm})) / 100);
     const ViewCost cost = view_cost(in_.machine, pitch, in_.options.samples);
     std::vector<PlannedView> views;
     for (const ChosenView& chosen : choose_views(survey, patches, wanted, cost)) {

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/session/plan_limits.hpp"
+
 namespace tetragauge {
 namespace {
 
 // A window reaches this share of a pitch beyond its spots, so that some ray comes within half a pitch.
 constexpr double kMarginPitches = 0.5;
-// What mirrors and cameras reach (read_plan's limit).
-constexpr double kFurthest_mm = 110;
 
 struct Box {
   double y_min = 1e9, y_max = -1e9, up_min = 1e9, up_max = -1e9;
@@ -24,8 +24,8 @@ struct Box {
   RasterWindow window(double pitch_mm) const {
     const double margin = kMarginPitches * pitch_mm;
     // Tenths, outwards: a plan is read by people.
-    const auto down = [](double x) { return std::max(-kFurthest_mm, std::floor(10 * x) / 10); };
-    const auto up = [](double x) { return std::min(kFurthest_mm, std::ceil(10 * x) / 10); };
+    const auto down = [](double x) { return std::max(-kWindowReach_mm, std::floor(10 * x) / 10); };
+    const auto up = [](double x) { return std::min(kWindowReach_mm, std::ceil(10 * x) / 10); };
     return {down(y_min - margin), up(y_max + margin), down(up_min - margin), up(up_max + margin)};
   }
   double time_s(const RasterCost& cost) const {

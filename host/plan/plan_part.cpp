@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 // The finest raster worth having: the spot is 0.16 mm across.
-constexpr double kFinestPitch_mm = 0.1;
+constexpr double kFinestUseful_mm = 0.1;
 // Light from both sides of an edge spoils a point here and there.
 constexpr double kSpareShare = 0.25;
 constexpr int kMostRefinements = 4;
@@ -111,7 +111,7 @@ class FaceRefiner {
     const double pitch =
         std::clamp(finer * std::sqrt(seen_area(face, out.candidate) /
                                      ((1 + kSpareShare) * static_cast<double>(options_.points_per_face))),
-                   kFinestPitch_mm, options_.pitch_mm);
+                   kFinestUseful_mm, options_.pitch_mm);
     std::vector<uint32_t> sights;
     for (uint32_t s = 0; s < place.sights.size(); ++s)
       if (static_cast<size_t>(patches_[place.sights[s].patch].face) == face) sights.push_back(s);

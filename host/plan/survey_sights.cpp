@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "host/plan/lay_windows.hpp"
+#include "host/session/plan_limits.hpp"
 
 namespace tetragauge {
 namespace {
@@ -14,14 +15,13 @@ namespace {
 // Sights change slowly with the place: a tenth of the +-59 degrees that a wall is seen over, and a tenth of
 // the 35 degrees by which the slide can change how steeply the beam comes down.
 constexpr double kTableStep_deg = 10, kSlideStep_mm = 25;
-constexpr double kLongestSlide_mm = 300;  // of a plan file
 
 }  // namespace
 
 std::vector<StagePlace> places_worth_trying(const PlanningMachine& machine, double low_mm, double high_mm) {
   const tg_StageConfig& stage = machine.config.stage;
-  const double slide_low = std::max(0.0, 1e3 * stage.slide.min_steps / stage.slide_steps_per_m);
-  const double slide_high = std::min(kLongestSlide_mm, 1e3 * stage.slide.max_steps / stage.slide_steps_per_m);
+  const double slide_low = std::max(kSlideLowest_mm, 1e3 * stage.slide.min_steps / stage.slide_steps_per_m);
+  const double slide_high = std::min(kSlideHighest_mm, 1e3 * stage.slide.max_steps / stage.slide_steps_per_m);
   // Part of it must stand where the beam goes: some 130 mm above and below the point aimed at.
   constexpr double kReach_mm = 130;
   const double aim = machine.head.aim_mm.z();
@@ -64,11 +64,15 @@ SightSurvey survey_sights(const PlanningMachine& machine, const RayCaster& caste
       PatchOutlook& outlook = outlooks[c][k];
       outlook.obstacle = sight.obstacle;
       if (sight.obstacle != Obstacle::none) continue;
+      const WindowSpot spot = window_spot(machine.head, sight.a_urad, sight.b_urad, patches[k].reach_mm);
+      if (std::max(std::abs(spot.y_mm), std::abs(spot.up_mm)) + spot.reach_mm > kWindowReach_mm) {
+        outlook.obstacle = Obstacle::out_of_reach;
+        continue;
+      }
       outlook.least_incidence_rad = std::max(sight.beam_incidence_rad, sight.camera_incidence_rad);
       outlook.is_seen_well = sight.within(max_incidence_rad);
       outlook.is_seen_flat = sight.within(kFlat_rad);
       if (!outlook.is_seen_well && !outlook.is_seen_flat) continue;
-      const WindowSpot spot = window_spot(machine.head, sight.a_urad, sight.b_urad, 0);
       view.sights.push_back({k, static_cast<float>(spot.y_mm), static_cast<float>(spot.up_mm),
                              static_cast<float>(std::cos(sight.beam_incidence_rad)),
                              static_cast<uint8_t>(sight.cameras)});
