@@ -38,6 +38,15 @@ inline Result<EmulatedSession> start_session(EmulatedMachineOptions options) {
   return session;
 }
 
+// Both boards that can be emulated; the second needs its image, built where there is a compiler for it.
+inline const std::string kEmulatedBoards[] = {"emulated", "mps2_an386"};
+
+inline bool can_run(const std::string& board) {
+  const std::filesystem::path build = std::filesystem::path(TETRAGAUGE_EMULATOR).parent_path().parent_path();
+  return board == "emulated" ||
+         std::filesystem::exists(build / "images" / board / ("tetragauge-" + board + ".elf"));
+}
+
 // A folder of this test program's own, removed at its end.
 inline std::filesystem::path temporary_folder() {
   struct Folder {

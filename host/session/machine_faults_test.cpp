@@ -5,6 +5,7 @@
 
 #include <charconv>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include "host/scan/scan_file.hpp"
@@ -61,12 +62,26 @@ struct Outcome {
   }
 };
 
-Outcome run_with(const std::string& faults) {
+class MachineFaults : public testing::TestWithParam<std::string> {
+ protected:
+  void SetUp() override {
+    if (!can_run(GetParam()))
+      GTEST_SKIP() << "no image of " << GetParam() << ": run script/setup, which installs what builds it";
+  }
+
+  static Outcome run_with(const std::string& faults);
+  // Of the board under test.
+  static const Outcome& clean();
+  // An instant at which the laser is on, in the middle of the third view.
+  static int64_t laser_on_ns();
+};
+
+Outcome MachineFaults::run_with(const std::string& faults) {
   static int count = 0;
   const auto trace = temporary_file("trace" + std::to_string(++count) + ".csv", "");
   Outcome run;
   {
-    auto session = start_session({.part = box_file(), .faults = faults, .trace = trace});
+    auto session = start_session({.board = GetParam(), .part = box_file(), .faults = faults, .trace = trace});
     EXPECT_TRUE(session) << faults << ": " << session.error().message;
     if (!session) return run;
     auto measured = run_scan(*session->link, plan_all_round(5, 16));
@@ -80,13 +95,13 @@ Outcome run_with(const std::string& faults) {
   return run;
 }
 
-const Outcome& clean() {
-  static const Outcome run = run_with("");
-  return run;
+const Outcome& MachineFaults::clean() {
+  static std::map<std::string, Outcome> runs;
+  if (!runs.contains(GetParam())) runs[GetParam()] = run_with("");
+  return runs[GetParam()];
 }
 
-// An instant at which the laser is on, in the middle of the third view.
-int64_t laser_on_ns() {
+int64_t MachineFaults::laser_on_ns() {
   const TraceLine* view = clean().find("view", "3");
   const TraceLine* on = clean().find("laser", "on", view->time_ns + 300 * kMs);
   return on->time_ns + 50'000;
@@ -106,7 +121,7 @@ void expect_fault(const Outcome& run, const std::string& fault, int64_t time_ns,
   EXPECT_EQ(run.find("laser", "on", time_ns + laser_ns), nullptr);
 }
 
-TEST(MachineFaults, TraceAndScanRepeatByteForByte) {
+TEST_P(MachineFaults, TraceAndScanRepeatByteForByte) {
   ASSERT_TRUE(clean().measured) << clean().error;
   const Outcome again = run_with("");
   ASSERT_TRUE(again.measured);
@@ -118,7 +133,7 @@ TEST(MachineFaults, TraceAndScanRepeatByteForByte) {
   }
 }
 
-TEST(MachineFaults, InterlockTurnsTheLaserOffWithinOneSample) {
+TEST_P(MachineFaults, InterlockTurnsTheLaserOffWithinOneSample) {
   const int64_t time_ns = laser_on_ns() / 1000 * 1000;
   const Outcome run = run_with("interlock" + at(time_ns));
   EXPECT_TRUE(run.laser_on_at(time_ns - 1));
@@ -127,7 +142,7 @@ TEST(MachineFaults, InterlockTurnsTheLaserOffWithinOneSample) {
   EXPECT_NE(run.error.find("interlock"), std::string::npos) << run.error;
 }
 
-TEST(MachineFaults, LostHeartbeatsTurnTheLaserOffWithinHalfASecond) {
+TEST_P(MachineFaults, LostHeartbeatsTurnTheLaserOffWithinHalfASecond) {
   const int64_t time_ns = laser_on_ns() / 1000 * 1000;
   const Outcome run = run_with("link_cut" + at(time_ns) + "+2s");
   ASSERT_TRUE(run.measured) << run.error;
@@ -142,14 +157,14 @@ TEST(MachineFaults, LostHeartbeatsTurnTheLaserOffWithinHalfASecond) {
   EXPECT_TRUE(scan_to_ply(run.measured->scan) == scan_to_ply(clean().measured->scan));
 }
 
-TEST(MachineFaults, FailingLaserIsAFault) {
+TEST_P(MachineFaults, FailingLaserIsAFault) {
   const int64_t time_ns = laser_on_ns() / 1000 * 1000;
   const Outcome run = run_with("laser_failing" + at(time_ns));
   // Seen at the end of the burst under way.
   expect_fault(run, "LASER", time_ns, 64 * kSample_ns);
 }
 
-TEST(MachineFaults, DarkLaserGivesNoPointsAndNoFault) {
+TEST_P(MachineFaults, DarkLaserGivesNoPointsAndNoFault) {
   const int64_t time_ns = laser_on_ns();
   const Outcome run = run_with("laser_dark" + at(time_ns) + "+200ms");
   ASSERT_TRUE(run.measured) << run.error;
@@ -158,7 +173,7 @@ TEST(MachineFaults, DarkLaserGivesNoPointsAndNoFault) {
   EXPECT_EQ(run.measured->counts.beams, clean().measured->counts.beams);
 }
 
-TEST(MachineFaults, StuckMirrorIsAFault) {
+TEST_P(MachineFaults, StuckMirrorIsAFault) {
   for (const char* mirror : {":a", ":b"}) {
     const int64_t time_ns = laser_on_ns();
     const Outcome run = run_with("mirror_stuck" + at(time_ns) + mirror);
@@ -167,14 +182,14 @@ TEST(MachineFaults, StuckMirrorIsAFault) {
   }
 }
 
-TEST(MachineFaults, ChannelOnItsRailIsASignalFault) {
+TEST_P(MachineFaults, ChannelOnItsRailIsASignalFault) {
   const int64_t time_ns = laser_on_ns();
   const Outcome run = run_with("adc_rail" + at(time_ns) + ":2y1");
   // 100 beams of some 2 ms.
   expect_fault(run, "SIGNAL", time_ns / 1000 * 1000, 300 * kMs);
 }
 
-TEST(MachineFaults, ChannelShortlyOnItsRailCostsBeamsOnly) {
+TEST_P(MachineFaults, ChannelShortlyOnItsRailCostsBeamsOnly) {
   const int64_t time_ns = laser_on_ns();
   const Outcome run = run_with("adc_rail" + at(time_ns) + "+50ms:1x2,adc_rail" + at(time_ns) + "+50ms:2x2");
   ASSERT_TRUE(run.measured) << run.error;
@@ -186,7 +201,7 @@ TEST(MachineFaults, ChannelShortlyOnItsRailCostsBeamsOnly) {
   EXPECT_EQ(run.measured->counts.beams, clean().measured->counts.beams);
 }
 
-TEST(MachineFaults, AmbientFlashIsRejectedAndSpoilsNothing) {
+TEST_P(MachineFaults, AmbientFlashIsRejectedAndSpoilsNothing) {
   const int64_t time_ns = laser_on_ns();
   const Outcome run = run_with("flash" + at(time_ns) + "+100ms:9uA");
   ASSERT_TRUE(run.measured) << run.error;
@@ -202,13 +217,16 @@ TEST(MachineFaults, AmbientFlashIsRejectedAndSpoilsNothing) {
   }
 }
 
-TEST(MachineFaults, LimitSwitchStopsAMove) {
+TEST_P(MachineFaults, LimitSwitchStopsAMove) {
   // On its way up to the first view.
   const int64_t time_ns = clean().find("state", "SCANNING")->time_ns / 1000 * 1000 + 200 * kMs;
   const Outcome run = run_with("limit_high" + at(time_ns));
   expect_fault(run, "LIMIT", time_ns, 0);
   EXPECT_NE(run.error.find("limit"), std::string::npos) << run.error;
 }
+
+INSTANTIATE_TEST_SUITE_P(Boards, MachineFaults, testing::ValuesIn(kEmulatedBoards),
+                         [](const auto& board) { return board.param; });
 
 }  // namespace
 }  // namespace tetragauge
