@@ -27,10 +27,10 @@ struct DoubtRays {
   double volume_mm3 = 0;
 };
 
-// A ray is legal when the mirrors reach, nothing of the model is in its way before the tetrahedron, and beam
-// and a camera see where it ends within the largest incidence. It can decide when its way through the
-// tetrahedron is longer than what its own noise leaves open. Needs a reconstruction that keeps its
-// tetrahedra.
+// A ray is legal when the mirrors reach, nothing of the model is in its way before the tetrahedron, beam and
+// a camera meet the surface where it ends within the largest incidence, both cameras are free, and no edge
+// cuts its spot. It can decide when its way through the tetrahedron is longer than what its own noise leaves
+// open. Needs a reconstruction that keeps its tetrahedra.
 DoubtRays rays_at_doubts(const PlanningMachine& machine, const RayCaster& caster,
                          const RigidTransform& T_part_model, const Reconstruction& reconstruction,
                          double max_incidence_rad, std::span<const TriedRay> tried,
@@ -55,6 +55,10 @@ struct FaceLooksInput {
   const std::map<int, int>& looked_at;  // how often each face was gone back to already
 };
 FaceLooks looks_at_faces(const FaceLooksInput& in, const MachineStance& stance);
+
+// Takes out of what such rasters gave the points whose spot an edge cuts, by the model: a fine raster would
+// make faces of them.
+void drop_cut_spots(const FaceLooksInput& in, const ScanPlan& views, Scan& scan);
 
 // Counted for the report.
 Doubts count_doubts(const InspectionRun& run, const DoubtRays& open);

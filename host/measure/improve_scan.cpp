@@ -28,6 +28,8 @@ class Improver {
   }
 
   std::optional<Error> run() {
+    if (const auto status = link_.status())
+      go_to(machine_, {1e-6 * status->table_udeg, 1e-3 * status->slide_um}, stance_);
     look_for_doubts();
     for (int round = 1; round <= options_.rounds; ++round) {
       if (rays_.rays.empty() && looks_.views.views.empty())
@@ -63,16 +65,42 @@ class Improver {
 
   double max_incidence_rad() const { return options_.plan.max_incidence_deg * std::numbers::pi / 180; }
 
-  void look_for_doubts() {
-    const SetUp& set_up = part_.run.set_ups.front();
-    const RigidTransform T_part_model = set_up.match.T_model_part.inverse();
-    rays_ = rays_at_doubts(machine_, caster_, T_part_model, set_up.reconstruction, max_incidence_rad(),
-                           tried_, stance_);
-    looks_ = looks_at_faces({machine_, model_, caster_, T_part_model, tolerances_, part_.run.inspection,
-                             options_.plan, part_.scan.points, part_.scan.header.u_cal_mm, looked_at_},
-                            stance_);
+  FaceLooksInput doubtful_faces() const {
+    return {machine_,
+            model_,
+            caster_,
+            T_part_model_,
+            tolerances_,
+            part_.run.inspection,
+            options_.plan,
+            part_.scan.points,
+            part_.scan.header.u_cal_mm,
+            looked_at_};
   }
 
+  void look_for_doubts() {
+    const SetUp& set_up = part_.run.set_ups.front();
+    T_part_model_ = set_up.match.T_model_part.inverse();
+    rays_ = rays_at_doubts(machine_, caster_, T_part_model_, set_up.reconstruction, max_incidence_rad(),
+                           tried_, stance_);
+    looks_ = looks_at_faces(doubtful_faces(), stance_);
+  }
+
+  // By the machine's own rules, not by its clock: a resent frame must not change the report.
+  void add_time(MeasuringRound& told, double time_s) {
+    told.machine_s += time_s;
+    used_s_ += time_s;
+  }
+  double time_of_views_s() const {
+    const auto time_s = plan_time_s(machine_, looks_.views, stance_);
+    return time_s ? *time_s : 0;  // an error of the plan comes from run_scan()
+  }
+  double time_of_rays_s() const {
+    MachineStance stance = stance_;
+    double time_s = 0;
+    for (size_t k = 0; k < rays_.rays.size(); ++k) time_s += time_of_ray_s(k, stance);
+    return time_s;
+  }
   double time_of_ray_s(size_t k, MachineStance& stance) const {
     const SingleRay& ray = rays_.rays[k];
     const StagePlace place{ray.table_deg, ray.slide_mm};
@@ -92,9 +120,8 @@ class Improver {
   bool keep_to_budget() {
     if (!(options_.budget_s > 0)) return true;
     const double left_s = options_.budget_s - used_s_;
-    const auto views_s = plan_time_s(machine_, looks_.views, stance_);
-    if (!views_s || *views_s > left_s) looks_ = {};
-    double time_s = looks_.views.views.empty() ? 0 : *views_s;
+    if (time_of_views_s() > left_s) looks_ = {};
+    double time_s = time_of_views_s();
     MachineStance stance = stance_;
     size_t count = 0;
     while (count < rays_.rays.size() && (time_s += time_of_ray_s(count, stance)) <= left_s) ++count;
@@ -103,21 +130,22 @@ class Improver {
     return count > 0 || !looks_.views.views.empty();
   }
 
-  std::optional<Error> take(const Result<MeasuredScan>& measured, MeasuringRound& told) {
+  std::optional<Error> take(Result<MeasuredScan> measured, const ScanPlan* rasters, MeasuringRound& told) {
     if (!measured) return measured.error();
+    if (rasters) drop_cut_spots(doubtful_faces(), *rasters, measured->scan);
     append_scan(part_.scan, measured->scan, part_.views);
     add_counts(part_.counts, measured->counts);
-    told.points += measured->counts.points;
-    told.machine_s += measured->counts.machine_time_s;
-    used_s_ += measured->counts.machine_time_s;
+    told.points += measured->scan.size();
     return std::nullopt;
   }
 
   std::optional<Error> measure(MeasuringRound& told) {
     whole_before_ = part_.scan;
     if (!looks_.views.views.empty()) {
-      if (const auto error = take(run_scan(link_, looks_.views, scan_options_), told)) return error;
+      if (const auto error = take(run_scan(link_, looks_.views, scan_options_), &looks_.views, told))
+        return error;
       told.views = looks_.views.views.size();
+      add_time(told, time_of_views_s());
       part_.views += static_cast<uint32_t>(told.views);
       const PlannedView& last = looks_.views.views.back();
       go_to(machine_, {last.table_deg, last.slide_mm}, stance_);
@@ -126,9 +154,10 @@ class Improver {
     }
     if (!rays_.rays.empty()) {
       if (const auto error =
-              take(measure_rays(link_, rays_.rays, options_.plan.samples, scan_options_), told))
+              take(measure_rays(link_, rays_.rays, options_.plan.samples, scan_options_), nullptr, told))
         return error;
       told.rays = rays_.rays.size();
+      add_time(told, time_of_rays_s());
       part_.views += static_cast<uint32_t>(places_of(rays_.rays));
       tried_.insert(tried_.end(), rays_.tried.begin(), rays_.tried.end());
       go_to(machine_, tried_.back().place, stance_);
@@ -179,6 +208,7 @@ class Improver {
   PartInProgress& part_;
   MeasuringStory& story_;
 
+  RigidTransform T_part_model_;
   DoubtRays rays_;
   FaceLooks looks_;
   std::vector<TriedRay> tried_;

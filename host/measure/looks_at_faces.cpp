@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -15,7 +17,9 @@ constexpr double kWorthwhileShare = 0.05;
 // Beams one pitch apart lie up to this many pitches apart on a face at 65 degrees.
 constexpr double kCoveredPitches = 2.5;
 // More than so many times the points is not worth the time, and finer than the spot not worth having.
-constexpr double kMostTimesPoints = 30;
+constexpr double kLeastTimesPoints = 3, kMostTimesPoints = 20;
+// U squared must be so much larger than what more points leave of it.
+constexpr double kOwnShare = 1.3;
 constexpr double kFinestUseful_mm = 0.1;
 // What two looks did not show, a third will not.
 constexpr int kMostLooks = 2;
@@ -25,18 +29,21 @@ bool is_wanted(const FaceLooksInput& in, const Face& face) {
   return !in.tolerances.given || has_tolerance(in.tolerances.of(face));
 }
 
-// By what the points must be multiplied to decide the face; nothing when no number of them can.
+// By what the points must be multiplied to decide the face; nothing when more of them would not help.
 std::optional<double> times_points_to_decide(const FaceInspection& face, double u_cal_mm) {
   if (face.verdict != Verdict::undecided || !face.decided_by) return std::nullopt;
   const Criterion& criterion = *face.decided_by;
   if (criterion.is_angle() || !criterion.datum.empty()) return std::nullopt;  // rests on other faces too
-  const double wanted = std::abs(std::abs(criterion.deviation) - criterion.limit);
-  // What is left of U with ever more points: all but the face's own share in it.
-  const double own = face.u_offset_own_mm * face.u_offset_own_mm - u_cal_mm * u_cal_mm;
-  const double squared = criterion.U * criterion.U;
-  const double floor = squared - 4 * std::max(0.0, own);
-  if (floor >= wanted * wanted) return std::nullopt;
-  return (squared - floor) / (wanted * wanted - floor);
+  // What ever more points leave of U: the machine's and the pose's share, which an offset has alone.
+  const double of_offset = 0.25 * face.U_offset_mm * face.U_offset_mm -
+                           face.u_offset_own_mm * face.u_offset_own_mm + u_cal_mm * u_cal_mm;
+  const double floor = 4 * std::max(0.0, of_offset), now = criterion.U * criterion.U;
+  if (now < kOwnShare * floor) return std::nullopt;
+  // The deviation that is so near its limit is itself mostly noise: it moves too, and need not be where it
+  // is.
+  const double distance = std::abs(std::abs(criterion.deviation) - criterion.limit);
+  const double wanted = std::max(distance * distance, kOwnShare * floor);
+  return std::clamp((now - floor) / std::max(1e-12, wanted - floor), kLeastTimesPoints, kMostTimesPoints);
 }
 
 class Looker {
@@ -133,9 +140,8 @@ FaceLooks looks_at_faces(const FaceLooksInput& in, const MachineStance& stance) 
     }
     if (in.looked_at.contains(face.id) && in.looked_at.at(face.id) >= kMostLooks) continue;
     if (const auto times = times_points_to_decide(found, in.u_cal_mm)) {
-      if (*times > kMostTimesPoints) continue;
-      const auto views = looker.look(looker.patches_of(f, false), face.area_mm2, 0,
-                                     in.options.pitch_mm / std::sqrt(std::max(2.0, *times)));
+      const auto views =
+          looker.look(looker.patches_of(f, false), face.area_mm2, 0, in.options.pitch_mm / std::sqrt(*times));
       if (views.empty()) continue;
       all.insert(all.end(), views.begin(), views.end());
       out.undecided.push_back(face.id);
@@ -150,6 +156,33 @@ FaceLooks looks_at_faces(const FaceLooksInput& in, const MachineStance& stance) 
   }
   out.views = ordered(in.machine, all, stance);
   return out;
+}
+
+void drop_cut_spots(const FaceLooksInput& in, const ScanPlan& views, Scan& scan) {
+  const RigidTransform T_model_part = in.T_part_model.inverse();
+  std::vector<HeadOverPart> heads;
+  for (const PlannedView& view : views.views)
+    heads.emplace_back(in.machine, in.T_part_model, StagePlace{view.table_deg, view.slide_mm});
+  std::vector<uint8_t> is_kept(scan.size(), 1);
+  tbb::parallel_for(size_t{0}, scan.size(), [&](size_t i) {
+    const Vec3 origin = T_model_part * scan.ray_origins[i];
+    const MachineRay ray{origin, (T_model_part * scan.points[i] - origin).normalized()};
+    const auto hit = in.caster.first_hit(ray.origin_mm, ray.direction);
+    // Where the model has nothing the part has something: that is kept.
+    is_kept[i] = !hit || heads[scan.view[i]].is_clear(in.caster, ray, *hit);
+  });
+  const auto keep = [&](auto& values) {
+    size_t kept = 0;
+    for (size_t i = 0; i < values.size(); ++i)
+      if (is_kept[i]) values[kept++] = values[i];
+    values.resize(kept);
+  };
+  keep(scan.points);
+  keep(scan.ray_origins);
+  keep(scan.sigma_mm);
+  keep(scan.intensity);
+  keep(scan.view);
+  keep(scan.flags);
 }
 
 }  // namespace tetragauge

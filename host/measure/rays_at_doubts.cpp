@@ -140,7 +140,9 @@ DoubtRays rays_at_doubts(const PlanningMachine& machine, const RayCaster& caster
         const auto hit = caster.first_hit(ray.origin_mm, ray.direction);
         // A ray that ends on its near side touches it; one that ends before says nothing.
         if (!hit || hit->distance_mm < way->in_mm - open_mm) continue;
-        if (!head.look_along(caster, ray, *hit).within(max_incidence_rad)) continue;
+        const SpotSight sight = head.look_along(caster, ray, *hit);
+        if (!sight.within(max_incidence_rad) || sight.cameras < 2) continue;
+        if (!head.is_clear(caster, ray, *hit)) continue;
         const Vec3 at_part = T_part_model * at;
         if (!was_tried(places[p], at_part, tried, same_mm)) shots[p].push_back({k, at_part, *aim});
       }

@@ -12,6 +12,8 @@ namespace tetragauge {
 namespace {
 
 constexpr double kClearance_mm = 0.01;  // above what the triangles err by, below the size of the spot
+// Twice the spot's 1/e^2 radius at the ends of the working volume: room for what the pose errs by.
+constexpr double kSpotReach_mm = 0.2;
 // A spot near the detector's edge is cut off there.
 constexpr double kUsedShareOfDetector = 0.98;
 
@@ -107,6 +109,19 @@ SpotSight HeadOverPart::look_along(const RayCaster& caster, const MachineRay& ra
   sight.beam_incidence_rad = angle_of_cosine(cosine);
   ask_cameras(caster, hit.point_mm, hit.normal, sight);
   return sight;
+}
+
+bool HeadOverPart::is_clear(const RayCaster& caster, const MachineRay& ray, const RayHit& hit) const {
+  std::array<bool, 2> blocked{};
+  for (size_t k = 0; k < 2; ++k) blocked[k] = caster.occluded(hit.point_mm, camera_mm_[k], kClearance_mm);
+  const auto [u, v] = tangent_frame(ray.direction);
+  for (const Vec3& aside : {u, v, Vec3(-u), Vec3(-v)}) {
+    const auto rim = caster.first_hit(ray.origin_mm + kSpotReach_mm * aside, ray.direction);
+    if (!rim || std::abs(hit.normal.dot(rim->point_mm - hit.point_mm)) > 0.25 * kSpotReach_mm) return false;
+    for (size_t k = 0; k < 2; ++k)
+      if (caster.occluded(rim->point_mm, camera_mm_[k], kClearance_mm) != blocked[k]) return false;
+  }
+  return true;
 }
 
 }  // namespace tetragauge

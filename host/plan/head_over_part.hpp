@@ -54,6 +54,9 @@ class HeadOverPart {
   SpotSight look_at(const RayCaster& caster, const Vec3& spot_mm, const Vec3& normal) const;
   // The same for what a beam meets, once it is known that it meets it.
   SpotSight look_along(const RayCaster& caster, const MachineRay& ray, const RayHit& hit) const;
+  // Whether all of the spot lies on one surface, and every camera sees all of it or nothing: otherwise an
+  // edge cuts it, and the point lies somewhere between.
+  bool is_clear(const RayCaster& caster, const MachineRay& ray, const RayHit& hit) const;
   // The beam, model frame.
   MachineRay beam(int32_t a_urad, int32_t b_urad) const;
 

@@ -19,7 +19,7 @@ struct Doubts {
 struct MeasuringRound {
   size_t rays = 0, views = 0, points = 0;  // single directions, rasters, and what they gave together
   Doubts before, after;
-  double machine_s = 0;
+  double machine_s = 0;  // that it takes by the machine's own rules: the same for equal runs
 };
 
 struct MeasuringStory {
