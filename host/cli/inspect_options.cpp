@@ -6,6 +6,7 @@
 #include "host/base/whole_file.hpp"
 #include "host/cli/check_outputs.hpp"
 #include "host/report/report.hpp"
+#include "host/report/terminal_text.hpp"
 
 namespace tetragauge::cli {
 namespace {
@@ -21,7 +22,8 @@ Result<std::string> sha256_of(const std::string& path) {
 void InspectArguments::add(CLI::App& command) {
   command.add_option("--tolerances", tolerances, "Tolerance file (JSON); without one there is no verdict")
       ->type_name("T.json");
-  command.add_option("--out", out, "Folder for report.txt, report.json, faces.csv, deviation.ply")
+  command
+      .add_option("--out", out, "Folder for report.html, report.txt, report.json, faces.csv, deviation.ply")
       ->required()
       ->type_name("DIR")
       ->check(not_empty());
@@ -78,8 +80,8 @@ Result<int> InspectArguments::report(const Console& console, const InspectionRun
   }
   if (Status status = write_report(out, report); !status) return status.error();
   if (Status status = console.put_json(report_json(report)); !status) return status.error();
-  console.print(report_text(report));
-  console.say("report: " + (std::filesystem::path(out) / "report.txt").string());
+  const std::string page = (std::filesystem::path(out) / "report.html").string();
+  console.print(terminal_text(report, page, wants_colour(STDOUT_FILENO)));
   return exit_code(inspection.inspection.verdict);
 }
 

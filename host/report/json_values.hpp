@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Numbers for JSON: never NaN or infinite (null says that there is none), never -0.
+// Values for JSON. Numbers: never NaN or infinite (null says that there is none), never -0.
 #pragma once
 
 #include <cmath>
@@ -12,6 +12,12 @@ namespace tetragauge {
 inline nlohmann::ordered_json json_number(double x) {
   if (!std::isfinite(x)) return nullptr;
   return x + 0.0;  // -0.0 + 0.0 is 0.0
+}
+
+// Text from a file or its name: bytes that are no UTF-8 have no place in JSON and become U+FFFD.
+inline nlohmann::ordered_json json_text(const std::string& text) {
+  using nlohmann::ordered_json;
+  return ordered_json::parse(ordered_json(text).dump(-1, ' ', false, ordered_json::error_handler_t::replace));
 }
 
 // A column vector as a list, a matrix as a list of its rows.

@@ -141,15 +141,15 @@ ordered_json story_json(const MeasuringStory& story) {
                       {"after", doubts_json(round.after)},
                       {"machine_s", json_number(round.machine_s)}});
   }
-  return {{"plan", story.plan},
+  return {{"plan", json_text(story.plan)},
           {"rounds", rounds},
           {"rounds_end", story.end},
-          {"interruption", story.interruption}};
+          {"interruption", json_text(story.interruption)}};
 }
 
 ordered_json file_json(const ReportFile& file) {
   if (file.name.empty()) return nullptr;
-  return {{"name", file.name}, {"sha256", file.sha256}};
+  return {{"name", json_text(file.name)}, {"sha256", file.sha256}};
 }
 
 ordered_json points_json(const MeasuredFaces& measured) {
@@ -224,10 +224,10 @@ ordered_json report_json(const Report& report) {
                    {"tolerances", file_json(report.tolerances_file)},
                    {"points", inspection.point_face.size()},
                    {"model_faces", report.model.faces().size()},
-                   {"machine_id", header.machine_id},
-                   {"calibration_id", header.calibration_id},
+                   {"machine_id", json_text(header.machine_id)},
+                   {"calibration_id", json_text(header.calibration_id)},
                    {"u_cal_mm", json_number(header.u_cal_mm)},
-                   {"part_serial", header.part_serial},
+                   {"part_serial", json_text(header.part_serial)},
                    {"software", std::string("tetragauge ") + TETRAGAUGE_VERSION}};
   // The stages of several scans follow one another; one entry a stage.
   json["timing_s"] = ordered_json::object();

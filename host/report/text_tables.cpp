@@ -16,6 +16,16 @@ bool has_deviations(const FaceInspection& in) {
   return in.measured || in.coverage > 0;
 }
 
+// In a column of `width`, with as many of the decimals as have room.
+std::string fitted(double value, size_t width, int decimals, bool with_sign = false) {
+  std::string text;
+  for (int kept = decimals; kept >= 0; --kept) {
+    text = print(with_sign ? "%+.*f" : "%.*f", kept, value + 0.0);
+    if (text.size() <= width) break;
+  }
+  return text.size() > width ? print("%.0e", value) : text;
+}
+
 // In a column of 11.
 std::string short_name(const Criterion& criterion) {
   std::string name = criterion.name == "parallelism"        ? "parallel"
@@ -53,19 +63,17 @@ std::string faces_table(const Report& report) {
     const Face& face = report.model.faces()[k];
     out += print("%4d %-8.8s %6zu %4.0f%%", face.id, std::string(surface_type_name(face.type)).c_str(),
                  in.points_used, 100 * in.coverage);
-    if (has_deviations(in)) {
-      out +=
-          print(" %+8.4f %7s %7.4f", in.offset_mm + 0.0,
-                face.type == SurfaceType::plane ? print("%.3f", 1e3 * in.tilt_rad).c_str() : "-", in.form_mm);
-    } else {
-      out += print(" %8s %7s %7s", "-", "-", "-");
-    }
-    if (in.decided_by) {
-      out += print(" %-11s %+8.4f %6.4f %6.3f", short_name(*in.decided_by).c_str(),
-                   in.decided_by->deviation + 0.0, in.decided_by->U, in.decided_by->limit);
-    } else {
-      out += print(" %-11s %8s %6s %6s", "-", "-", "-", "-");
-    }
+    const auto column = [&](const std::string& text, int width) {
+      out += print(" %*s", width, text.c_str());
+    };
+    const bool any = has_deviations(in);
+    column(any ? fitted(in.offset_mm, 8, 4, true) : "-", 8);
+    column(any && face.type == SurfaceType::plane ? fitted(1e3 * in.tilt_rad, 7, 3) : "-", 7);
+    column(any ? fitted(in.form_mm, 7, 4) : "-", 7);
+    out += print(" %-11s", in.decided_by ? short_name(*in.decided_by).c_str() : "-");
+    column(in.decided_by ? fitted(in.decided_by->deviation, 8, 4, true) : "-", 8);
+    column(in.decided_by ? fitted(in.decided_by->U, 6, 4) : "-", 6);
+    column(in.decided_by ? fitted(in.decided_by->limit, 6, 3) : "-", 6);
     out += " " + std::string(verdict_name(in.verdict)) + "\n";
   }
   return out;

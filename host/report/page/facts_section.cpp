@@ -47,21 +47,6 @@ std::string facts(const ordered_json& block) {
   return out + "</dl>\n";
 }
 
-// A list of objects as a table, a column for each key: the rounds of re-measurement.
-std::string list_table(const ordered_json& list) {
-  std::string out = "<div class=\"scroll\"><table><thead><tr>";
-  for (const auto& [key, value] : list.front().items())
-    out += "<th scope=\"col\">" + html_text(label(key)) + "</th>";
-  out += "</tr></thead><tbody>\n";
-  for (const ordered_json& entry : list) {
-    out += "<tr>";
-    for (const auto& [key, value] : list.front().items())
-      out += "<td>" + (entry.contains(key) ? value_html(entry[key]) : "–") + "</td>";
-    out += "</tr>\n";
-  }
-  return out + "</tbody></table></div>\n";
-}
-
 }  // namespace
 
 std::string facts_section(const ordered_json& json) {
@@ -77,9 +62,6 @@ std::string facts_section(const ordered_json& json) {
     out += print("<h3>Scan %zu</h3>\n", k + 2) + facts({{"scan", set_up["scan"]}}) +
            facts(set_up["reconstruction"]);
   }
-  if (json.contains("rounds") && json["rounds"].is_array() && !json["rounds"].empty() &&
-      json["rounds"].front().is_object())
-    out += "<h3>Rounds of measurement</h3>\n" + list_table(json["rounds"]);
   return out + "</section>\n";
 }
 

@@ -35,13 +35,8 @@ std::string html_text(std::string_view text) {
 std::string script_json(const ordered_json& json) {
   std::string out;
   // '<' stands in strings alone.
-  for (const char c : json.dump(-1, ' ', false, ordered_json::error_handler_t::replace))
-    out += c == '<' ? "\\u003c" : std::string(1, c);
+  for (const char c : json.dump()) out += c == '<' ? "\\u003c" : std::string(1, c);
   return out;
-}
-
-ordered_json valid_text(const ordered_json& json) {
-  return ordered_json::parse(json.dump(-1, ' ', false, ordered_json::error_handler_t::replace));
 }
 
 }  // namespace tetragauge

@@ -11,11 +11,7 @@ namespace tetragauge {
 // Between tags and within quoted attributes.
 std::string html_text(std::string_view text);
 
-// Within <script type="application/json">: nothing in it ends the element or opens a comment. Bytes that are
-// no UTF-8 become U+FFFD.
+// Within <script type="application/json">: nothing in it ends the element or opens a comment.
 std::string script_json(const nlohmann::ordered_json& json);
-
-// The same JSON with bytes that are no UTF-8 replaced: file names may hold any.
-nlohmann::ordered_json valid_text(const nlohmann::ordered_json& json);
 
 }  // namespace tetragauge

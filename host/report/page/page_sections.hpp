@@ -12,6 +12,8 @@ std::string faces_section(const nlohmann::ordered_json& json);  // the table, wo
 std::string findings_section(
     const nlohmann::ordered_json& json);                       // missing, extra, misplaced, material; remarks
 std::string pose_section(const nlohmann::ordered_json& json);  // what holds the part, equivalents
+std::string measuring_section(
+    const nlohmann::ordered_json& json);  // plan and rounds, where `measure` told them
 std::string relations_section(const nlohmann::ordered_json& json);
 std::string facts_section(const nlohmann::ordered_json& json);  // files, machine, counts, versions
 

@@ -43,10 +43,15 @@ std::string summary(const ordered_json& json) {
   return out;
 }
 
+std::string interruption(const ordered_json& json) {
+  const std::string what = json.value("interruption", std::string());
+  return what.empty() ? "" : "<p class=\"warning\">Re-measuring was broken off: " + html_text(what) + "</p>";
+}
+
 }  // namespace
 
 std::string report_page(const Report& report) {
-  ordered_json json = valid_text(report_json(report));
+  ordered_json json = report_json(report);
   json.erase("timing_s");
   const std::string verdict = json["verdict"];
   const std::string line = typeset(html_text(verdict_line(report)));
@@ -65,13 +70,13 @@ std::string report_page(const Report& report) {
   page += "</style>\n</head>\n<body>\n<header class=\"verdict " + verdict +
           "\"><span class=\"symbol\" aria-hidden=\"true\">" + verdict_sign(verdict).symbol +
           "</span><div><h1>" + line + "</h1>\n<ul class=\"summary\">" + summary(json) +
-          "</ul>\n<ul class=\"counts\" aria-label=\"Faces by verdict\">" + verdict_counts(json) +
-          "</ul></div></header>\n";
+          "</ul>\n<ul class=\"counts\" aria-label=\"Faces by verdict\">" + verdict_counts(json) + "</ul>" +
+          interruption(json) + "</div></header>\n";
   page +=
       "<main>\n<section id=\"picture\" aria-label=\"The part\"><noscript><p>The picture of the part, the "
       "views and the "
       "sphere of normals need JavaScript; everything else is here.</p></noscript></section>\n";
-  page += faces_section(json) + findings_section(json) + pose_section(json);
+  page += faces_section(json) + findings_section(json) + pose_section(json) + measuring_section(json);
   page += "<section id=\"views\"></section>\n<section id=\"normals\"></section>\n";
   page += relations_section(json) + facts_section(json);
   page +=

@@ -11,8 +11,8 @@ export const kDiverging = [
   [1, [140, 45, 4]],
 ];
 export const kCoverage = [
-  [0, [240, 244, 248]],
-  [1, [8, 69, 148]],
+  [0, [238, 243, 248]],
+  [1, [58, 128, 190]],
 ];
 
 export const kVerdicts = {

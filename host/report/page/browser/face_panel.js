@@ -19,8 +19,8 @@ function deviations(face) {
       html('tr', {}, html('th', {scope: 'row'}, name), html('td', {class: 'number'}, number(face.deviations[key], decimals, key === 'offset_mm' || key === 'radius_mm')),
         html('td', {class: 'number'}, number(face.U_mm[uKey], decimals)), html('td', {}, unit)));
   if (!rows.length) return null;
-  return html('table', {}, html('thead', {}, html('tr', {}, html('th', {scope: 'col'}, 'Measured'), html('th', {scope: 'col'}, 'Deviation'),
-    html('th', {scope: 'col'}, '± U'), html('th', {}))), html('tbody', {}, rows));
+  return html('table', {}, html('thead', {}, html('tr', {}, html('th', {scope: 'col'}, 'Measured'), html('th', {scope: 'col', class: 'number'}, 'Deviation'),
+    html('th', {scope: 'col', class: 'number'}, '± U'), html('th', {}))), html('tbody', {}, rows));
 }
 
 function criteria(face) {
@@ -32,7 +32,7 @@ function criteria(face) {
       html('td', {class: 'number'}, number(c[`U_${unit}`], 4)), html('td', {class: 'number'}, `${number(c[`limit_${unit}`], 3)} ${unit}`),
       html('td', {}, html('span', {class: `badge ${c.verdict}`}, `${verdict.symbol} ${verdict.word}`)));
   });
-  return html('table', {}, html('thead', {}, html('tr', {}, ...['Judged by', 'Deviation', '± U', '± Limit', ''].map((name) => html('th', {scope: 'col'}, name)))),
+  return html('table', {}, html('thead', {}, html('tr', {}, ...['Judged by', 'Deviation', '± U', '± Limit', ''].map((name, k) => html('th', {scope: 'col', class: k ? 'number' : null}, name)))),
     html('tbody', {}, rows));
 }
 
@@ -49,12 +49,16 @@ function histogram(face, fullColour) {
     return svg('rect', {x: k * step + 0.4, y: height - tall, width: step - 0.8, height: tall, fill: css(colourAt(kDiverging, mm / fullColour)), class: 'column'});
   });
   const lines = [svg('path', {class: 'zero', d: `M${x(0)} 0V${height}`})];
-  const labels = [svg('text', {x: x(0), y: height + 13, 'text-anchor': 'middle'}, '0')];
+  const isTight = face.limit_mm > 0 && x(face.limit_mm) - x(0) < 40;
+  const label = (mm, text, anchor = 'middle') => svg('text', {x: x(mm), y: height + 13, 'text-anchor': anchor}, text);
+  const labels = [];
+  if (!isTight) labels.push(label(0, '0'));
   if (face.limit_mm > 0) {
     for (const limit of [-face.limit_mm, face.limit_mm]) {
       lines.push(svg('path', {class: 'limit', d: `M${x(limit)} 0V${height}`}));
-      labels.push(svg('text', {x: x(limit), y: height + 13, 'text-anchor': 'middle'}, number(limit, 3, true)));
+      if (!isTight) labels.push(label(limit, number(limit, 3, true)));
     }
+    if (isTight) labels.push(label(-face.limit_mm, `±${number(face.limit_mm, 3)}`, 'start'));
   }
   // The offset with its uncertainty.
   const offset = face.deviations.offset_mm;

@@ -17,13 +17,13 @@ export class Labels {
     for (const label of this.labels) label.size = [label.element.offsetWidth, label.element.offsetHeight];
   }
 
-  place(camera, stage) {
+  place(camera, [across, down]) {
     const towards = new Vector3();
     camera.getWorldDirection(towards).negate();
     const taken = [];
     for (const {place, normal, element, size: [width, height]} of this.labels) {
       const at = place.clone().project(camera);
-      const [x, y] = [((at.x + 1) / 2) * stage.clientWidth, ((1 - at.y) / 2) * stage.clientHeight];
+      const [x, y] = [((at.x + 1) / 2) * across, ((1 - at.y) / 2) * down];
       element.style.left = `${x}px`;
       element.style.top = `${y}px`;
       const isBehind = Boolean(normal) && normal.dot(towards) < 0;

@@ -28,7 +28,7 @@ function hasWebGL() {
 
 function buildPicture(picture, data, selection, scale) {
   const stage = html('div', {class: 'stage'}, html('canvas', {tabindex: 0, role: 'img', 'aria-label': 'The part in 3-D; arrow keys turn it, + and − zoom, Home resets, a click chooses a face'}),
-    html('div', {class: 'labels', 'aria-hidden': 'true'}));
+    html('canvas', {class: 'paper', 'aria-hidden': 'true'}),    html('div', {class: 'labels', 'aria-hidden': 'true'}));
   const legend = html('div', {class: 'legend'});
   const modes = html('fieldset', {class: 'modes'}, html('legend', {}, 'Show'));
   const views = html('div', {class: 'directions', role: 'group', 'aria-label': 'Look from'});
@@ -105,11 +105,8 @@ function start() {
     wireEquivalents(view, data);
     const theme = window.matchMedia('(prefers-color-scheme: dark)');
     theme.addEventListener('change', () => view.setTheme());
-    // Paper is white: the edges are drawn dark for it.
-    window.matchMedia('print').addEventListener('change', () => {
-      view.setTheme();
-      view.drawNow();
-    });
+    window.addEventListener('beforeprint', () => view.print(true));
+    window.addEventListener('afterprint', () => view.print(false));
   }
   const asked = /^#face-(\d+)$/.exec(window.location.hash);
   const worst = data.report.faces.filter((face) => face.verdict === 'fail' || face.verdict === 'undecided');

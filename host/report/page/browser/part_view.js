@@ -18,8 +18,8 @@ export class PartView {
   constructor(stage, data, selection, scale) {
     this.stage = stage;
     this.data = data;
-    this.canvas = stage.querySelector('canvas');
-    this.renderer = new WebGLRenderer({canvas: this.canvas, antialias: true, alpha: true, preserveDrawingBuffer: true});
+    [this.canvas, this.paper] = stage.querySelectorAll('canvas');
+    this.renderer = new WebGLRenderer({canvas: this.canvas, antialias: true, alpha: true});
     this.scene = new Scene();
     const [low, high] = data.part.map((corner) => new Vector3(...corner));
     this.middle = low.clone().add(high).divideScalar(2);
@@ -40,7 +40,7 @@ export class PartView {
     this.wire(selection);
     this.look(this.openingView());
     this.setMode('deviation');
-    new ResizeObserver(() => this.resize()).observe(stage);
+    new ResizeObserver(() => this.isOnPaper || this.resize()).observe(stage);
     this.resize();
   }
 
@@ -144,10 +144,23 @@ export class PartView {
     if (anchor.normal.dot(towards) < 0.25 || !this.isSeen(anchor)) this.look(this.viewOf(anchor));
   }
 
-  viewOf({normal}) {
-    // From its front, a little from above and from the side of the standard view.
-    const view = normal.clone().addScaledVector(kStandardView, 0.55).add(new Vector3(0, 0, Math.abs(normal.z) < 0.5 ? 0.25 : 0));
-    return view.lengthSq() > 0.05 ? view.normalize() : normal.clone().add(new Vector3(0.3, -0.4, 0)).normalize();
+  /** The direction to see a place from: in front of its face, nothing before it, not far from the standard view. */
+  viewOf(anchor) {
+    let [best, most] = [anchor.normal.clone(), -Infinity];
+    const steps = [-1, 0, 1];
+    for (const x of steps) {
+      for (const y of steps) {
+        for (const z of steps) {
+          const view = anchor.normal.clone().addScaledVector(new Vector3(x, y, z), 0.6);
+          if (view.lengthSq() < 0.1) continue;
+          view.normalize();
+          const facing = view.dot(anchor.normal);
+          const score = Math.min(0.75, facing) + 0.3 * view.dot(kStandardView);
+          if (facing > 0.3 && score > most && this.isSeen(anchor, view)) [best, most] = [view, score];
+        }
+      }
+    }
+    return best;
   }
 
   isSeen({place, normal}, from = this.camera.position.clone().sub(this.controls.target).normalize()) {
@@ -261,10 +274,10 @@ export class PartView {
     this.draw();
   }
 
-  resize() {
-    const {clientWidth: width, clientHeight: height} = this.stage;
+  resize(width = this.stage.clientWidth, height = this.stage.clientHeight) {
     if (!width || !height) return;
-    const ratio = Math.min(2, window.devicePixelRatio || 1);
+    this.size = [width, height];
+    const ratio = this.isOnPaper ? 2 : Math.min(2, window.devicePixelRatio || 1);
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height, false);
     const tall = this.radius * Math.max(1, height / width);
@@ -273,6 +286,21 @@ export class PartView {
     for (const material of [this.faceMaterial, this.pointMaterial, this.findings.material]) material.uniforms.pixel.value = ratio;
     this.fit();
     this.draw();
+  }
+
+  /**
+   * For paper a picture of its own, in a canvas that keeps what is drawn: of a WebGL canvas that has just changed its
+   * size, printers get nothing. The size is that of .stage in the style for print.
+   */
+  print(isOn) {
+    this.isOnPaper = isOn;
+    this.setTheme();
+    this.resize(...(isOn ? [660, 380] : []));
+    this.drawNow();
+    if (!isOn) return;
+    this.paper.width = this.canvas.width;
+    this.paper.height = this.canvas.height;
+    this.paper.getContext('2d').drawImage(this.canvas, 0, 0);
   }
 
   draw() {
@@ -286,7 +314,7 @@ export class PartView {
 
   drawNow() {
     this.renderer.render(this.scene, this.camera);
-    this.labels.place(this.camera, this.stage);
+    this.labels.place(this.camera, this.size);
     this.drawAxes?.(this.camera);
   }
 }
