@@ -9,8 +9,8 @@ namespace tetragauge {
 namespace {
 
 constexpr size_t kListColumns = 26;
-// Title, head of the pictures, a blank, three lines of numbers, a blank, two of message, keys.
-constexpr size_t kOtherLines = 10;
+// Title, head of the pictures, a blank, three lines of numbers, a blank, the message, keys.
+constexpr size_t kMessageLines = 3, kOtherLines = 8 + kMessageLines;
 
 template <class... Numbers>
 std::string print(const char* format, Numbers... numbers) {
@@ -104,7 +104,7 @@ std::vector<std::string> picture_page(const TeachState& state, const ScreenFacts
   const size_t lines = facts.rows - kOtherLines;
   const size_t width = (facts.columns - kListColumns - 3) / 2;
   std::vector<std::string> screen;
-  const bool is_old = state.preview() && !state.preview_is_current();
+  const bool is_old = state.preview() && !state.preview_is_from_here();
   screen.push_back(
       fill(state.preview() ? (is_old ? "intensity (elsewhere)" : "intensity") : "no preview yet", width) +
       " " + fill(state.preview() ? range_head(state) : "", width) + "  " +
@@ -112,8 +112,14 @@ std::vector<std::string> picture_page(const TeachState& state, const ScreenFacts
   std::vector<std::string> left, right;
   size_t shown = 0;  // columns of a picture
   if (state.preview()) {
-    left = preview_lines(*state.preview(), PreviewPicture::intensity, facts.colours, width, lines);
-    right = preview_lines(*state.preview(), PreviewPicture::range, facts.colours, width, lines);
+    // A picture from elsewhere has nothing to do with the window.
+    const PreviewLinesOptions options{
+        .colours = facts.colours,
+        .most_columns = width,
+        .most_lines = lines,
+        .window = state.preview_is_from_here() ? state.view().window : state.preview()->view.window};
+    left = preview_lines(*state.preview(), PreviewPicture::intensity, options);
+    right = preview_lines(*state.preview(), PreviewPicture::range, options);
     shown = std::min(width, state.preview()->columns);
   }
   const std::vector<std::string> list = list_lines(state, lines);
@@ -130,9 +136,9 @@ std::vector<std::string> picture_page(const TeachState& state, const ScreenFacts
   return screen;
 }
 
-// In two lines, cut where it does not fit.
+// Cut where it does not fit.
 std::vector<std::string> message_lines(const std::string& message, size_t columns) {
-  std::vector<std::string> lines{"", ""};
+  std::vector<std::string> lines(kMessageLines);
   size_t at = 0, line = 0;
   while (at < message.size() && line < lines.size()) {
     size_t end = message.find_first_of(" \n", at);
@@ -153,7 +159,7 @@ std::vector<std::string> leaving_lines(const TeachState& state, const ScreenFact
   const size_t views = state.plan().views.size();
   return {bold(print("Save %zu view%s to ", views, views == 1 ? "" : "s") + facts.plan + "?", true,
                facts.colours),
-          "y or Enter: save and leave    n: leave without saving    Esc: go on teaching"};
+          "y or Enter: save and leave    n: leave without saving    Esc: go on teaching", ""};
 }
 
 }  // namespace
@@ -167,7 +173,7 @@ PreviewSize preview_size(const ScreenFacts& facts) {
 }
 
 std::vector<std::string> key_table() {
-  return {"arrows      left, right: the table; up, down: the slide; or the window, see tab",
+  return {"arrows      left, right: the table; up, down: the slide; or what tab says",
           "tab         what the arrows move: the stage, the window, the window's size",
           "+ -         larger or smaller steps",
           "space, p    preview: a quick coarse raster; Esc stops it",
@@ -197,7 +203,9 @@ std::vector<std::string> draw_screen(const TeachState& state, const ScreenFacts&
     screen.push_back("");
     for (const std::string& line : key_table()) screen.push_back("  " + line);
     screen.push_back("");
-    screen.push_back("  any key goes back");
+    screen.push_back("  Pictures: the table is grey. No point: black too little light, red too much,");
+    screen.push_back("  orange ambient light, blue beyond the volume, magenta beam and cameras differ.");
+    screen.push_back("  Any key goes back.");
     screen.resize(facts.rows);
     return screen;
   }

@@ -12,9 +12,9 @@ namespace tetragauge {
 struct ScreenFacts {
   size_t columns = 80, rows = 24;
   TerminalColours colours = TerminalColours::none;
-  std::string plan;                    // file name
-  std::string machine;                 // what it is
-  std::string doing;                   // "homing", "preview 40 %"; "": nothing
+  std::string plan{};                  // file name
+  std::string machine{};               // what it is
+  std::string doing{};                 // "homing", "preview 40 %"; "": nothing
   double table_deg = 0, slide_mm = 0;  // where the stage is
 };
 

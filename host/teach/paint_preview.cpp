@@ -91,6 +91,20 @@ std::string set_colour(const Colour& colour, bool background, TerminalColours co
          std::to_string(colour[2]) + "m";
 }
 
+// Cells are as good as evenly spaced in the aim plane.
+bool contains(const RasterWindow& window, const Preview& preview, size_t column, size_t row) {
+  const auto place = [](double low, double high, size_t index, size_t number) {
+    return number < 2 ? 0.5 * (low + high)
+                      : low + (high - low) * static_cast<double>(index) / static_cast<double>(number - 1);
+  };
+  const RasterWindow& whole = preview.view.window;
+  const double y = place(whole.y_min_mm, whole.y_max_mm, column, preview.columns);
+  const double up = place(whole.up_max_mm, whole.up_min_mm, row, preview.rows);
+  constexpr double kRounding_mm = 1e-6;
+  return y >= window.y_min_mm - kRounding_mm && y <= window.y_max_mm + kRounding_mm &&
+         up >= window.up_min_mm - kRounding_mm && up <= window.up_max_mm + kRounding_mm;
+}
+
 char character_of(const PreviewCell& upper, const PreviewCell* lower, const Shade& shade) {
   using Kind = PreviewCell::Kind;
   double sum = 0, count = 0;
@@ -142,33 +156,37 @@ std::vector<Colour> paint(const Preview& preview, PreviewPicture which) {
   return pixels;
 }
 
-std::vector<std::string> preview_lines(const Preview& preview, PreviewPicture which, TerminalColours colours,
-                                       size_t most_columns, size_t most_lines) {
-  const size_t columns = std::min(preview.columns, most_columns);
-  const std::vector<Colour> pixels = paint(preview, which);
+std::vector<std::string> preview_lines(const Preview& preview, PreviewPicture which,
+                                       const PreviewLinesOptions& options) {
+  const size_t columns = std::min(preview.columns, options.most_columns);
+  std::vector<Colour> pixels = paint(preview, which);
+  std::vector<bool> is_inside(pixels.size());
+  for (size_t k = 0; k < pixels.size(); ++k) {
+    is_inside[k] = contains(options.window, preview, k % preview.columns, k / preview.columns);
+    if (!is_inside[k])
+      for (uint8_t& channel : pixels[k]) channel = static_cast<uint8_t>(channel / 2);
+  }
   const Shade shade(preview, which);
   std::vector<std::string> lines;
-  for (size_t row = 0; row < preview.rows && lines.size() < most_lines; row += 2) {
+  for (size_t row = 0; row < preview.rows && lines.size() < options.most_lines; row += 2) {
     const bool has_lower = row + 1 < preview.rows;
-    std::string line;
-    if (colours == TerminalColours::none) {
-      for (size_t column = 0; column < columns; ++column) {
-        line +=
-            character_of(preview.at(column, row), has_lower ? &preview.at(column, row + 1) : nullptr, shade);
-      }
-      lines.push_back(line);
-      continue;
-    }
-    std::string last;
+    std::string line, last;
     for (size_t column = 0; column < columns; ++column) {
-      std::string code = set_colour(pixels[row * preview.columns + column], false, colours);
-      code +=
-          has_lower ? set_colour(pixels[(row + 1) * preview.columns + column], true, colours) : "\x1b[49m";
+      const size_t upper = row * preview.columns + column, lower = upper + preview.columns;
+      if (options.colours == TerminalColours::none) {
+        const bool is_seen = is_inside[upper] || (has_lower && is_inside[lower]);
+        line += is_seen
+                    ? character_of(preview.cells[upper], has_lower ? &preview.cells[lower] : nullptr, shade)
+                    : ' ';
+        continue;
+      }
+      std::string code = set_colour(pixels[upper], false, options.colours);
+      code += has_lower ? set_colour(pixels[lower], true, options.colours) : "\x1b[49m";
       if (code != last) line += code;
       last = code;
       line += "▀";
     }
-    lines.push_back(line + "\x1b[0m");
+    lines.push_back(options.colours == TerminalColours::none ? line : line + "\x1b[0m");
   }
   return lines;
 }

@@ -20,10 +20,16 @@ enum class TerminalColours { none, palette, full };
 // magenta (beam and cameras disagree).
 std::vector<Colour> paint(const Preview& preview, PreviewPicture which);
 
-// One line per two rows of cells; at most so many of either. With colours two cells stand one above the
-// other in a half block; without, a character tells how bright both are (for range: how near).
-std::vector<std::string> preview_lines(const Preview& preview, PreviewPicture which, TerminalColours colours,
-                                       size_t most_columns, size_t most_lines);
+struct PreviewLinesOptions {
+  TerminalColours colours = TerminalColours::none;
+  size_t most_columns = 64, most_lines = 32;
+  RasterWindow window{};  // what lies beyond it is shown at half its brightness
+};
+
+// One line per two rows of cells. With colours two cells stand one above the other in a half block; without,
+// a character tells how bright both are (for range: how near), and nothing is shown beyond the window.
+std::vector<std::string> preview_lines(const Preview& preview, PreviewPicture which,
+                                       const PreviewLinesOptions& options);
 
 // Nearest and farthest point, mm; both 0 when there is none.
 struct RangeSpan {

@@ -129,6 +129,11 @@ class Teacher {
     };
     facts_.doing = "preview";
     redraw();
+    if (const Status rests = come_to_rest(); !rests) {
+      facts_.doing.clear();
+      lose_machine(rests.error().message);
+      return;
+    }
     const Result<Preview> taken = take_preview(*link_, state_.view(), preview_size(facts_), scan);
     facts_.doing.clear();
     if (taken) {
@@ -143,7 +148,19 @@ class Teacher {
     } else if (taken.error().kind == ErrorKind::bad_input) {
       state_.say(taken.error().message);
     } else {
-      state_.lose_machine(taken.error().message);
+      lose_machine(taken.error().message);
+    }
+  }
+
+  // A scan begins with the stage at rest; it then moves by itself to where the keys have sent it.
+  Status come_to_rest() {
+    if (const Status done = command(*link_, tg_HostMessage_scan_abort_tag); !done) return done;
+    for (;;) {
+      const Result<tg_Status> status = link_->status();
+      if (!status) return status.error();
+      if (!status->moving) return Done{};
+      const Result<bool> heard = link_->wait_for_frame(kIdlePoll);
+      if (!heard) return heard.error();
     }
   }
 
@@ -183,7 +200,7 @@ class Teacher {
     Result<HeadConfig> config = ready ? read_head_config(*link_) : Result<HeadConfig>(ready.error());
     facts_.doing.clear();
     if (!config) {
-      state_.lose_machine(config.error().message);
+      lose_machine(config.error().message);
       return;
     }
     state_.find_machine(limits_of(config->stage), reach_of(*config));
@@ -202,7 +219,7 @@ class Teacher {
     const Result<bool> heard = link_->wait_for_frame(milliseconds(1));
     const Result<tg_Status> status = heard ? link_->status() : Result<tg_Status>(heard.error());
     if (!status) {
-      if (state_.has_machine()) state_.lose_machine(status.error().message);
+      if (state_.has_machine()) lose_machine(status.error().message);
       link_ = nullptr;
       return;
     }
@@ -214,11 +231,17 @@ class Teacher {
     is_moving_ = status->moving;
     if (!state_.has_machine()) return;
     if (status->state == tg_State_STATE_FAULT || status->state == tg_State_STATE_ESTOP) {
-      state_.lose_machine(std::string(explain_fault(status->fault)));
+      lose_machine(std::string(explain_fault(status->fault)));
       return;
     }
     facts_.doing = is_moving_ ? "moving" : "";
     if (!is_moving_ && !is_there()) jog();
+  }
+
+  // On this screen there is one machine only.
+  void lose_machine(const std::string& why) {
+    const std::string device = link_ ? link_->device() + ": " : "";
+    state_.lose_machine(why.starts_with(device) ? why.substr(device.size()) : why);
   }
 
   // One axis after the other, always to where the keys have got to by then.
@@ -236,7 +259,7 @@ class Teacher {
     }
     const auto reply = link_->request(message);
     if (!reply) {
-      state_.lose_machine(reply.error().message);
+      lose_machine(reply.error().message);
       return;
     }
     (is_table ? sent_table_deg_ : sent_slide_mm_) = is_table ? view.table_deg : view.slide_mm;

@@ -59,12 +59,8 @@ size_t TeachState::beams() const {
   return count(w.y_max_mm - w.y_min_mm) * count(w.up_max_mm - w.up_min_mm);
 }
 
-bool TeachState::preview_is_current() const {
-  if (!preview_) return false;
-  const PlannedView &a = preview_->view, &b = view_;
-  return a.table_deg == b.table_deg && a.slide_mm == b.slide_mm && a.window.y_min_mm == b.window.y_min_mm &&
-         a.window.y_max_mm == b.window.y_max_mm && a.window.up_min_mm == b.window.up_min_mm &&
-         a.window.up_max_mm == b.window.up_max_mm;
+bool TeachState::preview_is_from_here() const {
+  return preview_ && preview_->view.table_deg == view_.table_deg && preview_->view.slide_mm == view_.slide_mm;
 }
 
 void TeachState::show(const Preview& preview) {
@@ -82,10 +78,9 @@ void TeachState::saved(const std::string& path) {
 
 void TeachState::lose_machine(const std::string& why) {
   has_machine_ = false;
-  message_ = why + " -- " +
-             (plan_.views.empty() ? "r tries again"
-                                  : "the plan is kept (" + number_of_views(plan_.views.size()) +
-                                        "): s saves it, r tries again");
+  const std::string views =
+      plan_.views.empty() ? "" : "; " + number_of_views(plan_.views.size()) + " kept: s saves";
+  message_ = "NO MACHINE (r tries again" + views + "): " + why;
 }
 
 void TeachState::find_machine(TeachLimits limits, Reach reach) {
@@ -302,12 +297,9 @@ void TeachState::change_samples() {
 }
 
 void TeachState::fit_window() {
-  const auto is_there = [&] {
-    return preview_ && preview_->view.table_deg == view_.table_deg &&
-           preview_->view.slide_mm == view_.slide_mm;
-  };
-  if (!is_there() || preview_->points == 0) {
-    message_ = is_there() ? "the preview shows nothing of the part" : "take a preview here first (space)";
+  if (!preview_is_from_here() || preview_->points == 0) {
+    message_ = preview_is_from_here() ? "the preview shows nothing of the part"
+                                      : "take a preview here first (space)";
     return;
   }
   PlannedView to = view_;
@@ -328,7 +320,7 @@ void TeachState::keep() {
     }
   }
   plan_.views.push_back(view_);
-  pictures_.push_back(preview_is_current() ? preview_ : std::nullopt);
+  pictures_.push_back(preview_is_from_here() ? preview_ : std::nullopt);
   selected_ = plan_.views.size() - 1;
   unsaved_ = true;
   message_ = "kept as view " + std::to_string(plan_.views.size());

@@ -52,12 +52,12 @@ class TeachState {
 
   const PlannedView& view() const { return view_; }  // where the stage is to be
   const ScanPlan& plan() const { return plan_; }
-  // Each kept view's preview where it had one that showed it.
+  // Each kept view's preview, where it had one from there.
   const std::vector<std::optional<Preview>>& pictures() const { return pictures_; }
   size_t selected() const { return selected_; }  // index into plan().views
   bool has_unsaved() const { return unsaved_; }
   const std::optional<Preview>& preview() const { return preview_; }
-  bool preview_is_current() const;  // of the view as it stands
+  bool preview_is_from_here() const;  // taken where the stage is to be; the window may have changed
   const std::string& message() const { return message_; }
   bool has_machine() const { return has_machine_; }
   Target target() const { return target_; }
