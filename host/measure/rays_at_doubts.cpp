@@ -66,8 +66,12 @@ double median_sigma(const Reconstruction& reconstruction) {
 std::vector<Target> targets_of(const Reconstruction& reconstruction, const RigidTransform& T_model_part,
                                double least_way_mm) {
   std::vector<Target> targets;
+  // Over a facet of the surface, half a square of the spacing, as high as what the noise leaves open: such
+  // ones every new point makes anew.
+  const double in_the_noise_mm3 =
+      0.5 * reconstruction.vertex_spacing_mm * reconstruction.vertex_spacing_mm * least_way_mm / 3;
   for (const DoubtfulTetrahedron& doubt : reconstruction.doubtful_ranked) {
-    if (targets.size() == kMostTetrahedra) break;
+    if (targets.size() == kMostTetrahedra || doubt.volume_mm3 < in_the_noise_mm3) break;  // largest first
     const LabelledTetrahedron& cell = reconstruction.cells[doubt.cell];
     Target target;
     double longest = 0;
@@ -76,7 +80,6 @@ std::vector<Target> targets_of(const Reconstruction& reconstruction, const Rigid
       for (size_t k = 0; k < i; ++k)
         longest = std::max(longest, (target.corners[i] - target.corners[k]).norm());
     }
-    // Volume over the largest facet's area bounds every way across from below, the longest edge from above.
     if (longest < least_way_mm) continue;
     target.look_from = T_model_part.R * doubt.look_from;
     target.volume_mm3 = doubt.volume_mm3;
