@@ -13,11 +13,12 @@
 namespace tetragauge {
 namespace {
 
-// Neither flat to a camera nor near its detector's edge: there the machine may see a little more or less than
-// is promised.
+// Neither flat to beam or camera nor near its detector's edge: there the machine may see a little more or
+// less than is promised.
 bool is_plain(const PlanningMachine& machine, const RigidTransform& T_machine_part, const Vec3& spot_mm,
               const Vec3& normal) {
   const Vec3 at = T_machine_part * spot_mm, n = T_machine_part.R * normal;
+  if (std::abs(n.dot((ray_of_mirrors(machine.head, 0, 0).origin_mm - at).normalized())) < 0.12) return false;
   for (const CameraGeometry<double>& camera : machine.geometry.camera) {
     const Vec3 to_camera = (Vec3(camera.centre.x, camera.centre.y, camera.centre.z) - at).normalized();
     if (std::abs(n.dot(to_camera)) < 0.12) return false;
