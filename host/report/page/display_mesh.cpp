@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
+#include <set>
 #include <tuple>
 
 namespace tetragauge {
@@ -19,53 +21,55 @@ struct Mesh {
   std::vector<std::array<uint32_t, 3>> triangles;
 };
 
-Mesh split_by_face(const Solid& model) {
+// `stands_for`: of each vertex of the model the one that is drawn in its place.
+Mesh split_by_face(const Solid& model, const std::vector<uint32_t>& stands_for) {
   Mesh mesh;
   std::map<std::pair<uint32_t, uint32_t>, uint32_t> known;  // face, vertex
   for (size_t k = 0; k < model.triangles.size(); ++k) {
     const uint32_t face = model.triangle_face[k];
-    std::array<uint32_t, 3> corners{};
-    for (size_t i = 0; i < 3; ++i) {
+    std::array<uint32_t, 3> t{};
+    for (size_t i = 0; i < 3; ++i) t[i] = stands_for[model.triangles[k][i]];
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
+    for (uint32_t& corner : t) {
       const uint32_t next = static_cast<uint32_t>(mesh.vertices.size());
-      const auto [entry, is_new] = known.try_emplace({face, model.triangles[k][i]}, next);
+      const auto [entry, is_new] = known.try_emplace({face, corner}, next);
       if (is_new) {
-        mesh.vertices.push_back(model.vertices[model.triangles[k][i]]);
+        mesh.vertices.push_back(model.vertices[corner]);
         mesh.vertex_face.push_back(face);
       }
-      corners[i] = entry->second;
-    }
-    mesh.triangles.push_back(corners);
-  }
-  return mesh;
-}
-
-// All vertices of a face within one cube of a grid become the first of them (Rossignac and Borrel, Modeling
-// in Computer Graphics (1993) 455); triangles that collapse are dropped.
-Mesh snapped(const Mesh& fine, double cell_mm) {
-  using Cell = std::tuple<uint32_t, int64_t, int64_t, int64_t>;
-  std::map<Cell, uint32_t> first_in;
-  std::vector<uint32_t> stands_for(fine.vertices.size());
-  for (uint32_t k = 0; k < fine.vertices.size(); ++k) {
-    const auto along = [&](int axis) { return std::llround(std::floor(fine.vertices[k][axis] / cell_mm)); };
-    stands_for[k] =
-        first_in.try_emplace({fine.vertex_face[k], along(0), along(1), along(2)}, k).first->second;
-  }
-  Mesh mesh;
-  std::map<uint32_t, uint32_t> kept;
-  for (const auto& [a, b, c] : fine.triangles) {
-    std::array<uint32_t, 3> t{stands_for[a], stands_for[b], stands_for[c]};
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
-    for (uint32_t& vertex : t) {
-      const auto [entry, is_new] = kept.try_emplace(vertex, static_cast<uint32_t>(mesh.vertices.size()));
-      if (is_new) {
-        mesh.vertices.push_back(fine.vertices[vertex]);
-        mesh.vertex_face.push_back(fine.vertex_face[vertex]);
-      }
-      vertex = entry->second;
+      corner = entry->second;
     }
     mesh.triangles.push_back(t);
   }
   return mesh;
+}
+
+std::vector<uint32_t> faces_at_vertex(const Solid& model) {
+  std::set<std::pair<uint32_t, uint32_t>> seen;
+  std::vector<uint32_t> count(model.vertices.size(), 0);
+  for (size_t k = 0; k < model.triangles.size(); ++k)
+    for (const uint32_t vertex : model.triangles[k])
+      count[vertex] += seen.emplace(vertex, model.triangle_face[k]).second;
+  return count;
+}
+
+// All vertices within one cube of a grid become one of them (Rossignac and Borrel, Modeling in Computer
+// Graphics (1993) 455): the one where most faces meet, so that corners and edges stay.
+std::vector<uint32_t> snapped(const Solid& model, const std::vector<uint32_t>& faces_at, double cell_mm) {
+  std::map<std::tuple<int64_t, int64_t, int64_t>, uint32_t> of_cell;
+  const auto cell = [&](uint32_t vertex) {
+    const auto along = [&](int axis) {
+      return std::llround(std::floor(model.vertices[vertex][axis] / cell_mm));
+    };
+    return std::tuple(along(0), along(1), along(2));
+  };
+  for (uint32_t k = 0; k < model.vertices.size(); ++k) {
+    uint32_t& best = of_cell.try_emplace(cell(k), k).first->second;
+    if (faces_at[k] > faces_at[best]) best = k;
+  }
+  std::vector<uint32_t> stands_for(model.vertices.size());
+  for (uint32_t k = 0; k < stands_for.size(); ++k) stands_for[k] = of_cell.at(cell(k));
+  return stands_for;
 }
 
 // One round: every edge longer than `edge_mm` gets a vertex in its middle. Whether it does is the edge's own
@@ -116,16 +120,18 @@ bool fits(const Mesh& mesh, size_t most_triangles) {
 }  // namespace
 
 DisplayMesh display_mesh(const Solid& model, size_t most_triangles) {
-  Mesh mesh = split_by_face(model);
+  std::vector<uint32_t> itself(model.vertices.size());
+  std::iota(itself.begin(), itself.end(), 0u);
+  Mesh mesh = split_by_face(model, itself);
   DisplayMesh out;
   const double size_mm = (model.box_max_mm - model.box_min_mm).norm();
   const double area_mm2 = std::max(model.area_mm2, 1e-6 * size_mm * size_mm);
   if (!fits(mesh, most_triangles)) {
     out.is_coarser = true;
+    const std::vector<uint32_t> faces_at = faces_at_vertex(model);
     double cell_mm = std::sqrt(area_mm2 / static_cast<double>(most_triangles));
-    Mesh coarse = snapped(mesh, cell_mm);
-    while (!fits(coarse, most_triangles)) coarse = snapped(mesh, cell_mm *= kGrowth);
-    mesh = std::move(coarse);
+    for (; !fits(mesh, most_triangles); cell_mm *= kGrowth)
+      mesh = split_by_face(model, snapped(model, faces_at, cell_mm));
   } else if (!mesh.triangles.empty()) {
     // Halving leaves edges of about 0.7 of the longest allowed: two triangles to half its square.
     double edge_mm = std::sqrt(4 * area_mm2 / static_cast<double>(most_triangles));

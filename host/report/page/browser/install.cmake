@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # cmake -DNPM=npm -DFOLDER=DIR -P install.cmake    the packages of package-lock.json into DIR/node_modules
-execute_process(COMMAND ${NPM} ci --ignore-scripts --loglevel=error WORKING_DIRECTORY ${FOLDER}
+execute_process(COMMAND ${NPM} ci --ignore-scripts --loglevel=error --fetch-retry-mintimeout=1000 --fetch-retry-maxtimeout=5000
+  WORKING_DIRECTORY ${FOLDER}
   RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
 if(NOT result EQUAL 0)
   file(WRITE ${FOLDER}/npm.log "${output}")
