@@ -20,7 +20,7 @@ void Console::say(const std::string& line) const {
 }
 
 void Console::print(const std::string& text) const {
-  if (json != "-") std::fwrite(text.data(), 1, text.size(), stdout);
+  if (json != "-" && !keeps_stdout) std::fwrite(text.data(), 1, text.size(), stdout);
 }
 
 Status Console::put_json(const nlohmann::ordered_json& value) const {

@@ -14,8 +14,9 @@ namespace tetragauge::cli {
 // What holds for every command. stdout is data, stderr is progress and log.
 struct Console {
   bool quiet = false;
-  std::string json;  // FILE or "-" for stdout; empty: no JSON
-  int threads = 0;   // 0: all
+  std::string json;           // FILE or "-" for stdout; empty: no JSON
+  int threads = 0;            // 0: all
+  bool keeps_stdout = false;  // print() says nothing: many results, of which the sum is printed
 
   // Progress and log, one line on stderr; nothing with --quiet.
   void say(const std::string& line) const;

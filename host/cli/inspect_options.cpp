@@ -79,6 +79,8 @@ Result<int> InspectArguments::report(const Console& console, const InspectionRun
     file->sha256 = *sha;
   }
   if (Status status = write_report(out, report); !status) return status.error();
+  if (on_report)
+    if (Status status = on_report(report); !status) return status.error();
   if (Status status = console.put_json(report_json(report)); !status) return status.error();
   const std::string page = (std::filesystem::path(out) / "report.html").string();
   console.print(terminal_text(report, page, wants_colour(STDOUT_FILENO)));

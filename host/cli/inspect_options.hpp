@@ -2,6 +2,7 @@
 // From scans to the report: what `inspect` and `measure` share.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,12 +10,15 @@
 #include "host/cli/input_options.hpp"
 #include "host/inspect/inspect.hpp"
 #include "host/report/measuring_story.hpp"
+#include "host/report/report.hpp"
 
 namespace tetragauge::cli {
 
 struct InspectArguments {
   std::string tolerances, out;
   InspectOptions inspect;
+  // Called with each report when it is written; its error is the command's.
+  std::function<Status(const Report&)> on_report;
 
   void add(CLI::App& command);
 

@@ -80,8 +80,13 @@ void ScanArguments::add(CLI::App& command) {
                    "Go on with an interrupted scan; its journal beside the scan file says everything else");
 }
 
+bool ScanArguments::was_stopped() {
+  return stop_requested;
+}
+
 Status ScanArguments::begin(const std::filesystem::path& out) {
   out_ = out;
+  journal_.reset();  // of the part before
   const std::filesystem::path path = journal_of(out);
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored)) {

@@ -35,6 +35,8 @@ struct ScanArguments {
   using SessionWork = std::function<Status(Link&, const ScanOptions&)>;
   Status in_session(const Console& console, const SessionWork& work);
   Status keep(const Scan& scan);
+  // Ctrl-C or SIGTERM came in a session, which ended with an error.
+  static bool was_stopped();
   // Of --plan; none where the journal has one.
   Result<std::optional<ScanPlan>> given_plan() const;
 
