@@ -172,16 +172,19 @@ std::vector<ExtraFace> extra_faces(const JoinedScan& joined, const Solid& model,
     out.face.point_mm = T_model_part * out.face.point_mm;
     out.face.point_on_axis_mm = T_model_part * out.face.point_on_axis_mm;
     out.face.d_mm = out.face.normal.dot(out.face.point_mm);
-    size_t off = 0;
+    size_t off = 0, on_curve = 0;
     for (const uint32_t i : patch.points) {
       if (cast.face[i] < 0) {  // the ray meets no material of the model at all
         ++off;
         continue;
       }
       const Face& face = model.faces()[static_cast<size_t>(cast.face[i])];
+      on_curve += face.type != SurfaceType::plane && std::abs(cast.deviation_mm[i]) <= 3 * cast.sigma_mm[i];
       if (tolerances.skip.contains(face.id)) continue;
       off += std::abs(cast.deviation_mm[i]) > offset_limit(tolerances.of(face)) + 3 * cast.sigma_mm[i];
     }
+    // A strip of a curved face that came out as a plane is that face, compared point by point.
+    if (2 * on_curve > patch.points.size()) continue;
     out.out_of_tolerance = tolerances.given && 2 * off > patch.points.size();
     extra.push_back(std::move(out));
   }

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""script/demo: the emulated machine measures the staircase; the riser that is 0.4 mm out is named, the good part passes."""
+"""script/demo: the emulated machine measures the staircase; the riser that is 0.4 mm out and the broken edge are named, the good
+part passes."""
 import json
+import math
 import os
 import subprocess
 
@@ -22,13 +24,20 @@ class Demo(cl.CommandLineTest):
         bad = json.loads(self.read('bad/report.json'))
         self.assertEqual(bad['verdict'], 'fail')
         failed = [f for f in bad['faces'] if f['verdict'] == 'fail']
-        self.assertEqual(len(failed), 1)
-        # Oracle: the part was made with the riser x = 60 mm standing at 60.4 mm.
-        riser = next(f for f in self.run_json('model', cl.NOMINAL)['faces'] if f['normal'] == [1, 0, 0] and abs(f['d_mm'] - 60) < 1e-6)
-        self.assertEqual(failed[0]['id'], riser['id'])
+        # Oracle: the part was made with the riser x = 60 mm standing at 60.4 mm, and without the edge (80, 20), of which 4 mm are gone.
+        model = self.run_json('model', cl.NOMINAL)['faces']
+        face_at = lambda normal, d: next(f['id'] for f in model if f['normal'] == normal and abs(f['d_mm'] - d) < 1e-6)
+        self.assertEqual([f['id'] for f in failed], [face_at([1, 0, 0], 60)])
         offset, uncertainty = failed[0]['deviations']['offset_mm'], failed[0]['U_mm']['offset']
         self.assertLess(abs(offset - 0.4), uncertainty)
         self.assertLess(uncertainty, 0.05)
+        beside_edge = {face_at([1, 0, 0], 80), face_at([0, 0, 1], 20)}
+        missing = [f for f in bad['material_faults'] if f['kind'] == 'missing']
+        self.assertTrue(missing)
+        for fault in missing:
+            self.assertIn(fault['face'], beside_edge)
+            self.assertLess(math.dist((fault['point_mm'][0], fault['point_mm'][2]), (80, 20)), 4.5)
+        self.assertIn('face 14', done.stdout)
 
     def test_runs_repeat(self):
         arguments = ['scan', '--emulated', cl.NOMINAL, '--place=90,0,0,0,0,0', '--seed', 5]
