@@ -28,7 +28,8 @@ export function wireFaceTable(selection) {
   selection.listen((id, source) => {
     for (const row of rows) {
       const isIt = idOf(row) === id;
-      row.toggleAttribute('aria-current', isIt);
+      if (isIt) row.setAttribute('aria-current', 'true');
+      else row.removeAttribute('aria-current');
       if (!isIt) continue;
       focusable(row);
       if (source !== 'table' && source !== 'start') row.scrollIntoView({block: 'nearest'});

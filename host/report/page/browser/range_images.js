@@ -6,20 +6,25 @@ import {html, number} from './elements.js';
 
 const kNoModel = [122, 31, 160];
 const kFrame = [20, 20, 20];
+const kShades = 512; // of the diverging scale, from end to end
 
-function paint(canvas, image, fullColour, chosen) {
+/** Colours as a canvas stores them, one number each: red, green, blue and full opacity from the lowest byte up. */
+const word = ([r, g, b]) => ((255 << 24) | (b << 16) | (g << 8) | r) >>> 0;
+const kRamp = Uint32Array.from({length: kShades + 1}, (_, k) => word(colourAt(kDiverging, (2 * k) / kShades - 1)));
+
+function paint(canvas, {width, height, beyond, faces}, fullColour, chosen) {
   const context = canvas.getContext('2d');
-  const pixels = context.createImageData(image.width, image.height);
-  const at = (x, y) => (x < 0 || y < 0 || x >= image.width || y >= image.height ? 0 : image.faces[y * image.width + x]);
-  for (let y = 0; y < image.height; ++y) {
-    for (let x = 0; x < image.width; ++x) {
-      const k = y * image.width + x;
-      const beyond = image.beyond[k];
-      if (beyond === Infinity) continue;
-      let colour = beyond === -Infinity ? kNoModel : colourAt(kDiverging, -beyond / fullColour);
-      const isRim = chosen && image.faces[k] === chosen && (at(x - 1, y) !== chosen || at(x + 1, y) !== chosen || at(x, y - 1) !== chosen || at(x, y + 1) !== chosen);
-      if (isRim) colour = kFrame;
-      pixels.data.set([...colour, 255], 4 * k);
+  const pixels = context.createImageData(width, height);
+  const words = new Uint32Array(pixels.data.buffer);
+  const isOther = (x, y) => x < 0 || y < 0 || x >= width || y >= height || faces[y * width + x] !== chosen;
+  for (let y = 0; y < height; ++y) {
+    for (let x = 0; x < width; ++x) {
+      const k = y * width + x;
+      if (beyond[k] === Infinity) continue;
+      const isRim = chosen && faces[k] === chosen && (isOther(x - 1, y) || isOther(x + 1, y) || isOther(x, y - 1) || isOther(x, y + 1));
+      if (isRim) words[k] = word(kFrame);
+      else if (beyond[k] === -Infinity) words[k] = word(kNoModel);
+      else words[k] = kRamp[Math.round((Math.min(1, Math.max(-1, -beyond[k] / fullColour)) + 1) * (kShades / 2))];
     }
   }
   context.putImageData(pixels, 0, 0);
