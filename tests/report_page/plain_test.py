@@ -4,8 +4,10 @@ never markup; the page is small, and the same for the same run."""
 import base64
 import html.parser
 import json
+import math
 import os
 import shutil
+import statistics
 import struct
 import unittest
 
@@ -87,6 +89,42 @@ class Plain(PageTest):
         for key in ('scan', 'model', 'tolerances'):
             self.assertIn(report['input'][key]['sha256'], text)
         self.assertIn('JavaScript', page.all('noscript')[0]['text'])
+
+    def test_what_is_drawn(self):
+        """Oracle: the riser of actual.csg stands 0.4 mm out, all else is right. So its colours say 0.4 mm all over, those of the other faces
+        nothing, and beams that should have met it end 0.4 mm early, the more the flatter they came (to 80 degrees)."""
+        riser = 14
+        self.simulate('scan.ply', ACTUAL, points=20000)
+        _, text = self.report('scan.ply', 'fail')
+        data = json.loads(next(e['text'] for e in Document(text).all('script') if e['attributes'].get('id') == 'data'))
+
+        def lengths(packed):
+            steps = [s[0] for s in struct.iter_unpack('<h', base64.b64decode(packed))]
+            return [None if abs(s) >= 32767 else s * data['unit_mm'] for s in steps]
+
+        def ids(packed):
+            return [s[0] for s in struct.iter_unpack('<H', base64.b64decode(packed))]
+
+        for face, deviation in zip(ids(data['mesh']['faces']), lengths(data['mesh']['deviations'])):
+            if deviation is not None:
+                self.assertAlmostEqual(deviation, 0.4 if face == riser else 0, delta=0.05)
+        seen = 0
+        for image in data['images']:
+            self.assertEqual(len(ids(image['faces'])), image['width'] * image['height'])
+            of_face = {}
+            for face, beyond in zip(ids(image['faces']), lengths(image['beyond'])):
+                if face and beyond is not None:
+                    of_face.setdefault(face, []).append(beyond)
+            for face, values in of_face.items():
+                if len(values) < 20:
+                    continue
+                middle = statistics.median(values)
+                if face == riser:
+                    seen += 1
+                    self.assertTrue(-0.4 / math.cos(math.radians(80)) < middle < -0.37, middle)
+                else:
+                    self.assertLess(abs(middle), 0.03, (image['views'], face))
+        self.assertGreaterEqual(seen, 2)
 
     def test_asks_nothing_of_a_network(self):
         self.simulate('scan.ply')

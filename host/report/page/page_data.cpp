@@ -162,7 +162,7 @@ ordered_json images_json(const Report& report, double unit_mm) {
   ordered_json list = ordered_json::array();
   for (const RangeImage& image : range_images(report)) {
     list.push_back({{"scan", image.set_up + 1},
-                    {"view", image.view},
+                    {"views", image.views},
                     {"perspective", image.is_perspective},
                     {"pixel", json_number(image.pixel)},
                     {"width", image.width},

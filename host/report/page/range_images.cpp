@@ -106,29 +106,64 @@ RangeImage image(const Raster& raster, const CastScan& cast, const std::vector<u
   return out;
 }
 
+// Views with their rays, put together where their beams fan out from one place.
+struct Place {
+  size_t set_up = 0;
+  std::vector<uint32_t> views;
+  std::vector<std::vector<uint32_t>> rays;  // of each view
+  Vec3 origin_mm = Vec3::Zero();            // of the first view
+  double pixel = 0;                         // of the coarsest view
+  Raster raster;                            // of all
+  std::vector<uint32_t> all_rays;
+};
+
+// Windows of one view point differ in the mirror's point, not in the table's angle or the slide's height.
+constexpr double kSamePlace = 0.02;  // of the distance to the part
+
+std::vector<Place> places_of(const Scan& scan, size_t set_up) {
+  std::map<uint32_t, std::vector<uint32_t>> rays_of;
+  for (uint32_t i = 0; i < scan.size(); ++i) rays_of[scan.view[i]].push_back(i);
+  std::vector<Place> places;
+  for (auto& [view, rays] : rays_of) {
+    Vec3 origin = Vec3::Zero();
+    double range = 0;
+    for (const uint32_t i : rays) {
+      origin += scan.ray_origins[i] / static_cast<double>(rays.size());
+      range += (scan.points[i] - scan.ray_origins[i]).norm() / static_cast<double>(rays.size());
+    }
+    auto at = std::find_if(places.begin(), places.end(), [&](const Place& place) {
+      return (place.origin_mm - origin).norm() < kSamePlace * range;
+    });
+    if (at == places.end()) {
+      at = places.insert(places.end(), Place{});
+      at->set_up = set_up;
+      at->origin_mm = origin;
+    }
+    at->views.push_back(view);
+    at->all_rays.insert(at->all_rays.end(), rays.begin(), rays.end());
+    at->rays.push_back(std::move(rays));
+  }
+  std::erase_if(places, [](const Place& place) { return place.all_rays.size() < kLeastRays; });
+  for (Place& place : places) {
+    place.raster = raster(scan, place.all_rays);
+    // A few directions, shot one by one, do not make the picture coarse.
+    for (const auto& rays : place.rays)
+      if (rays.size() >= kLeastRays) place.pixel = std::max(place.pixel, pixel_for(raster(scan, rays)));
+    if (place.pixel == 0) place.pixel = pixel_for(place.raster);
+  }
+  return places;
+}
+
 }  // namespace
 
 std::vector<RangeImage> range_images(const Report& report, size_t most_pixels) {
-  struct View {
-    size_t set_up = 0;
-    uint32_t view = 0;
-    std::vector<uint32_t> rays;
-    Raster raster;
-  };
-  std::vector<View> views;
-  for (size_t s = 0; s < report.scans.size(); ++s) {
-    std::map<uint32_t, std::vector<uint32_t>> rays_of;
-    for (uint32_t i = 0; i < report.scans[s].size(); ++i) rays_of[report.scans[s].view[i]].push_back(i);
-    for (auto& [view, rays] : rays_of) {
-      if (rays.size() < kLeastRays) continue;
-      Raster of_view = raster(report.scans[s], rays);
-      views.push_back({s, view, std::move(rays), std::move(of_view)});
-    }
-  }
+  std::vector<Place> places;
+  for (size_t s = 0; s < report.scans.size(); ++s)
+    for (Place& place : places_of(report.scans[s], s)) places.push_back(std::move(place));
   const auto pixels_at = [&](double coarser) {
     double pixels = 0;
-    for (const View& view : views) {
-      const Eigen::Vector2d size = (view.raster.high - view.raster.low) / (coarser * pixel_for(view.raster));
+    for (const Place& place : places) {
+      const Eigen::Vector2d size = (place.raster.high - place.raster.low) / (coarser * place.pixel);
       pixels += (size.x() + 1) * (size.y() + 1);
     }
     return pixels;
@@ -142,10 +177,10 @@ std::vector<RangeImage> range_images(const Report& report, size_t most_pixels) {
     casts.push_back(
         cast_scan(report.scans[s], report.model, caster, report.run.set_ups[s].match.T_model_part));
   std::vector<RangeImage> images;
-  for (const View& view : views) {
-    images.push_back(image(view.raster, casts[view.set_up], view.rays, coarser * pixel_for(view.raster)));
-    images.back().set_up = view.set_up;
-    images.back().view = view.view;
+  for (const Place& place : places) {
+    images.push_back(image(place.raster, casts[place.set_up], place.all_rays, coarser * place.pixel));
+    images.back().set_up = place.set_up;
+    images.back().views = place.views;
   }
   return images;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// For each view of the machine a picture of the errors of range: measured less the model's along each ray, as
-// in Henry's method of the thesis. A part in the wrong pose, a missing piece, a moved face show at a glance.
+// For each place that the machine looked from a picture of the errors of range: measured less the model's
+// along each ray, as in Henry's method of the thesis. A part in the wrong pose, a missing piece, a moved face
+// show at a glance.
 #pragma once
 
 #include <limits>
@@ -15,7 +16,7 @@ struct RangeImage {
   static constexpr float kNoModel = -kNoRay;  // a point where the model has nothing on its ray
 
   size_t set_up = 0;
-  uint32_t view = 0;
+  std::vector<uint32_t> views;  // ascending; all from one place
   bool is_perspective =
       true;          // pixels are even in the tangents of the beam's angles; else in mm across the beams
   double pixel = 0;  // side, in rad or mm
@@ -27,7 +28,7 @@ struct RangeImage {
   double mean_mm = 0, rms_mm = 0;  // over the rays on the model
 };
 
-// By scan, then view; views of fewer than 50 rays have no picture. In all at most `most_pixels`.
+// By scan, then view; places of fewer than 50 rays have no picture. In all at most `most_pixels`.
 std::vector<RangeImage> range_images(const Report& report, size_t most_pixels = 100000);
 
 }  // namespace tetragauge

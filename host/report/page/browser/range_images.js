@@ -6,6 +6,7 @@ import {html, number} from './elements.js';
 
 const kNoModel = [122, 31, 160];
 const kFrame = [20, 20, 20];
+const kTallest = 230; // of a picture, in pixels of the page
 const kShades = 512; // of the diverging scale, from end to end
 
 /** Colours as a canvas stores them, one number each: red, green, blue and full opacity from the lowest byte up. */
@@ -36,7 +37,9 @@ export function rangeImages(section, data, selection, scale) {
   const repaints = [];
   const figures = data.images.map((image) => {
     const canvas = html('canvas', {width: image.width, height: image.height, role: 'img'});
-    const name = `${severalScans ? `Scan ${image.scan}, view` : 'View'} ${image.view}`;
+    const shown = image.views.length > 4 ? `${image.views.slice(0, 3).join(', ')} … ${image.views.at(-1)}` : image.views.join(', ');
+    const name = `${severalScans ? `Scan ${image.scan}, view` : 'View'}${image.views.length > 1 ? 's' : ''} ${shown}`;
+    canvas.style.maxWidth = `${(kTallest * image.width) / image.height}px`;
     const numbers = `mean ${number(image.mean_mm, 3, true)}, rms ${number(image.rms_mm, 3)} mm, ${image.rays} rays`;
     canvas.setAttribute('aria-label', `${name}: ${numbers}`);
     const off = image.rays - image.on_model;
@@ -58,8 +61,8 @@ export function rangeImages(section, data, selection, scale) {
     repaints.push(repaint);
     return html('figure', {class: 'view'}, canvas, caption);
   });
-  section.replaceChildren(html('h2', {}, 'Range errors, view by view'),
-    html('p', {}, 'Measured less model along each beam, as the machine saw the part; + is farther than the model. Orange: nearer, material in excess. Blue: farther, material missing. Purple: a point where the model has nothing. Colours as in the picture of the part; about the rims of faces single beams slip past an edge.'),
+  section.replaceChildren(html('h2', {}, 'Range errors, as seen'),
+    html('p', {}, 'Measured less model along each beam, as the machine saw the part from each of its places; + is farther than the model. Orange: nearer, material in excess. Blue: farther, material missing. Purple: a point where the model has nothing. Colours as in the picture of the part; about the rims of faces single beams slip past an edge.'),
     html('div', {class: 'views'}, figures));
   const all = () => repaints.forEach((repaint) => repaint());
   selection.listen(all);
