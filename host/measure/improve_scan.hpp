@@ -12,7 +12,7 @@
 namespace tetragauge {
 
 struct ImproveOptions {
-  int rounds = 3;       // at most
+  int rounds = 2;       // at most: what two did not decide is seldom worth the next one's time
   double budget_s = 0;  // of the machine's time for all of them; 0: as long as they take
   PlanPartOptions plan;
   InspectOptions inspect;

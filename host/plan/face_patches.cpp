@@ -10,7 +10,7 @@ namespace tetragauge {
 namespace {
 
 constexpr double kPatch_mm2 = 6;                               // wanted size: some 2.5 mm across
-constexpr size_t kLeast = 16, kMost = 250, kMostCorners = 24;  // of a face
+constexpr size_t kLeast = 16, kMost = 250, kMostCorners = 24;  // of a face, of a model with few
 constexpr size_t kMostInAll = 8000;
 constexpr double kInside_mm =
     0.3;  // a corner's spot lies so far inside, where an edge does not cut it in two
@@ -30,9 +30,10 @@ Vec3 normal_of(const std::array<Vec3, 3>& t) {
   return (t[1] - t[0]).cross(t[2] - t[0]).normalized();
 }
 
-void add_corners(const RayCaster& caster, const FaceOutline& outline, int face, std::vector<Patch>& patches) {
+void add_corners(const RayCaster& caster, const FaceOutline& outline, int face, size_t most,
+                 std::vector<Patch>& patches) {
   const size_t corners = 3 * outline.triangles.size();
-  const size_t stride = std::max<size_t>(1, corners / kMostCorners);
+  const size_t stride = std::max<size_t>(1, corners / most);
   for (size_t k = 0; k < corners; k += stride) {
     const std::array<Vec3, 3>& t = outline.triangles[k / 3];
     const Vec3& corner = t[k % 3];
@@ -49,11 +50,13 @@ void add_corners(const RayCaster& caster, const FaceOutline& outline, int face, 
 std::vector<Patch> face_patches(const Solid& model, const RayCaster& caster) {
   const std::vector<FaceOutline> outlines = face_outlines(model);
   const double fair = static_cast<double>(kMostInAll) / std::max(1.0, model.area_mm2 / kPatch_mm2);
+  const size_t of_each = kMostInAll / std::max<size_t>(1, outlines.size());
+  const size_t least = std::clamp<size_t>(of_each, 2, kLeast);
+  const size_t most_corners = std::clamp<size_t>(of_each, 1, kMostCorners);
   std::vector<Patch> patches;
   for (size_t face = 0; face < outlines.size(); ++face) {
     const double area = model.faces()[face].area_mm2;
-    const auto count =
-        std::clamp(static_cast<size_t>(std::min(1.0, fair) * area / kPatch_mm2), kLeast, kMost);
+    const auto count = std::clamp(static_cast<size_t>(std::min(1.0, fair) * area / kPatch_mm2), least, kMost);
     // With their triangles, one after the other: samples_over() does not say which a sample is of.
     double owed = 0;
     std::vector<Patch> of_face;
@@ -77,7 +80,7 @@ std::vector<Patch> face_patches(const Solid& model, const RayCaster& caster) {
       patch.reach_mm = 0.5 * std::sqrt(patch.area_mm2);
     }
     patches.insert(patches.end(), of_face.begin(), of_face.end());
-    add_corners(caster, outlines[face], static_cast<int>(face), patches);
+    add_corners(caster, outlines[face], static_cast<int>(face), most_corners, patches);
   }
   return patches;
 }

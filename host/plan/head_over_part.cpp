@@ -83,20 +83,39 @@ void HeadOverPart::ask_cameras(const RayCaster& caster, const Vec3& spot_mm, con
   if (sight.cameras > 0) sight.camera_incidence_rad = angle_of_cosine(best_cosine);
 }
 
+bool HeadOverPart::may_reach(const Vec3& spot_mm) const {
+  const HeadGeometry& head = machine_.head;
+  const MachineRay rest = ray_of_mirrors(head, 0, 0);
+  const Vec3 way = T_machine_model_ * spot_mm - rest.origin_mm;
+  // The beam turns twice as far as a mirror; a tenth more than the limit, because mirror a stands before b.
+  const double limit = 1.1 * 2e-6 * head.mirror_limit_urad, along = way.dot(rest.direction);
+  return std::abs(std::atan2(way.dot(head.y), along)) <= limit &&
+         std::abs(std::atan2(way.dot(head.up), along)) <= limit;
+}
+
 SpotSight HeadOverPart::look_at(const RayCaster& caster, const Vec3& spot_mm, const Vec3& normal) const {
   SpotSight sight;
   // Where a beam leaves moves by millimetres with the mirrors' angles.
   if (normal.dot((mirror_mm_ - spot_mm).normalized()) <= std::cos(kGrazing_rad)) return sight;
   sight.obstacle = Obstacle::out_of_reach;
+  if (!in_volume(spot_mm) || !may_reach(spot_mm)) return sight;
+  ask_cameras(caster, spot_mm, normal, sight);
+  if (sight.obstacle == Obstacle::out_of_sight) return sight;
+  // Aiming is what costs time: only at what looks well so far.
+  if (sight.obstacle == Obstacle::cameras_blocked) {
+    if (caster.occluded(mirror_mm_, spot_mm, kClearance_mm)) sight.obstacle = Obstacle::beam_blocked;
+    return sight;
+  }
   const std::optional<MirrorAim> target = aim(spot_mm);
-  if (!target || !in_volume(spot_mm)) return sight;
+  if (!target) {
+    sight.obstacle = Obstacle::out_of_reach;
+    return sight;
+  }
   sight.a_urad = target->a_urad;
   sight.b_urad = target->b_urad;
   const MachineRay ray = beam(sight.a_urad, sight.b_urad);
   sight.beam_incidence_rad = angle_of_cosine(-normal.dot(ray.direction));
-  ask_cameras(caster, spot_mm, normal, sight);
-  if (sight.obstacle != Obstacle::out_of_sight && caster.occluded(ray.origin_mm, spot_mm, kClearance_mm))
-    sight.obstacle = Obstacle::beam_blocked;
+  if (caster.occluded(ray.origin_mm, spot_mm, kClearance_mm)) sight.obstacle = Obstacle::beam_blocked;
   return sight;
 }
 

@@ -63,6 +63,7 @@ class HeadOverPart {
  private:
   void ask_cameras(const RayCaster& caster, const Vec3& spot_mm, const Vec3& normal, SpotSight& sight) const;
   bool in_volume(const Vec3& spot_mm) const;
+  bool may_reach(const Vec3& spot_mm) const;  // false: certainly not
 
   const PlanningMachine& machine_;
   RigidTransform T_machine_model_, T_model_machine_, T_part_model_;

@@ -101,6 +101,10 @@ RasterCost raster_cost(const PlanningMachine& machine, double pitch_mm, uint32_t
   return {pitch_mm, ray_time_s(machine, samples, step), 1e-6 * machine.config.measure.stage_settle_us};
 }
 
+RasterWindow window_around(std::span<const WindowSpot> spots, const RasterCost& cost) {
+  return box_of(spots).window(cost.pitch_mm);
+}
+
 double time_of_window_s(std::span<const WindowSpot> spots, const RasterCost& cost) {
   return spots.empty() ? 0 : box_of(spots).time_s(cost);
 }

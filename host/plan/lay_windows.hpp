@@ -25,7 +25,8 @@ struct RasterCost {
 };
 RasterCost raster_cost(const PlanningMachine& machine, double pitch_mm, uint32_t samples);
 
-// The time one window around all of them takes.
+// One window around all of them, and the time it takes. Precondition of the former: not empty.
+RasterWindow window_around(std::span<const WindowSpot> spots, const RasterCost& cost);
 double time_of_window_s(std::span<const WindowSpot> spots, const RasterCost& cost);
 
 struct WindowLayout {

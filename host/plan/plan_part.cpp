@@ -90,8 +90,15 @@ PlannedView planned(const CandidateView& place, const RasterWindow& window, doub
 class FaceRefiner {
  public:
   FaceRefiner(const PlanningMachine& machine, const SightSurvey& survey, std::span<const Patch> patches,
-              const PlanPartOptions& options)
-      : machine_(machine), survey_(survey), patches_(patches), options_(options) {}
+              size_t faces, const PlanPartOptions& options)
+      : machine_(machine), survey_(survey), patches_(patches), options_(options) {
+    for (const CandidateView& view : survey.candidates) {
+      std::vector<double>& areas = seen_mm2_.emplace_back(faces, 0.0);
+      for (const PatchSight& sight : view.sights)
+        areas[static_cast<size_t>(patches[sight.patch].face)] +=
+            patches[sight.patch].area_mm2 * static_cast<double>(sight.cosine);
+    }
+  }
 
   struct Refinement {
     size_t candidate = 0;
@@ -123,19 +130,13 @@ class FaceRefiner {
   }
 
  private:
-  // As the beam sees it.
-  double seen_area(size_t face, size_t candidate) const {
-    double area = 0;
-    for (const PatchSight& sight : survey_.candidates[candidate].sights)
-      if (static_cast<size_t>(patches_[sight.patch].face) == face)
-        area += patches_[sight.patch].area_mm2 * static_cast<double>(sight.cosine);
-    return area;
-  }
+  double seen_area(size_t face, size_t candidate) const { return seen_mm2_[candidate][face]; }
 
   const PlanningMachine& machine_;
   const SightSurvey& survey_;
   std::span<const Patch> patches_;
   const PlanPartOptions& options_;
+  std::vector<std::vector<double>> seen_mm2_;  // by candidate and face, as the beam sees it
 };
 
 }  // namespace
@@ -167,9 +168,16 @@ Result<PartPlan> plan_part(const PlanningMachine& machine, const Solid& model, c
     for (size_t f = 0; f < plan.faces.size(); ++f) plan.faces[f].points += (*points)[f];
     return Done{};
   };
-  for (const ChosenView& chosen : choose_views(survey, patches, wanted, cost)) {
+  const std::vector<ChosenView> chosen_views = choose_views(survey, patches, wanted, cost);
+  size_t count = 0;
+  for (const ChosenView& chosen : chosen_views) {
     const CandidateView& place = survey.candidates[chosen.candidate];
-    const WindowLayout layout = lay_windows(window_spots(place, chosen.sights, patches), cost.raster);
+    const std::vector<WindowSpot> spots = window_spots(place, chosen.sights, patches);
+    WindowLayout layout = lay_windows(spots, cost.raster);
+    // Half of what the machine holds is for these, one window each if need be.
+    if (count + layout.windows.size() + chosen_views.size() > machine.max_views / 2)
+      layout.windows = {window_around(spots, cost.raster)};
+    count += layout.windows.size();
     in_use[chosen.candidate] = true;
     for (const RasterWindow& window : layout.windows) {
       const PlannedView view = planned(place, window, options.pitch_mm, options.samples);
@@ -179,12 +187,14 @@ Result<PartPlan> plan_part(const PlanningMachine& machine, const Solid& model, c
   }
 
   // ... and finer where a face would get too few points of it.
-  const FaceRefiner refiner(machine, survey, patches, options);
+  const FaceRefiner refiner(machine, survey, patches, plan.faces.size(), options);
   const auto enough = static_cast<size_t>((1 + kSpareShare) * static_cast<double>(options.points_per_face));
   for (size_t f = 0; f < plan.faces.size(); ++f) {
     double finer = 1;
     for (int k = 0; k < kMostRefinements && plan.faces[f].is_seen && plan.faces[f].points < enough; ++k) {
       const FaceRefiner::Refinement more = refiner.refine(f, in_use, finer);
+      if (count + more.views.size() > machine.max_views) break;
+      count += more.views.size();
       in_use[more.candidate] = true;
       for (const PlannedView& view : more.views) {
         if (const Status done = forecast(view); !done) return done.error();
