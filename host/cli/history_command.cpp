@@ -7,6 +7,7 @@
 #include "host/cli/check_outputs.hpp"
 #include "host/history/history_file.hpp"
 #include "host/history/summary.hpp"
+#include "host/report/terminal_text.hpp"
 
 namespace tetragauge::cli {
 namespace {
@@ -21,7 +22,7 @@ struct Options {
 HistoryTextOptions text_options(const Options& options) {
   HistoryTextOptions text{.face = options.face};
   if (::isatty(STDOUT_FILENO) == 0) return text;
-  text.colour = std::getenv("NO_COLOR") == nullptr;
+  text.colour = wants_colour(STDOUT_FILENO);
   for (const char* name : {"LC_ALL", "LC_CTYPE", "LANG"}) {
     const char* const locale = std::getenv(name);
     if (!locale || !*locale) continue;

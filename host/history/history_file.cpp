@@ -174,6 +174,9 @@ Result<HistoryFile> HistoryFile::open_to_add(const fs::path& path, HistoryOption
   Result<HistoryFile> file = open(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, options);
   if (!file) return file;
   sqlite3* const database = file->database_.get();
+  // SQLite opens for reading what it may not write, and even begins to write it.
+  if (sqlite3_db_readonly(database, "main") == 1)
+    return failure(nullptr, SQLITE_READONLY, file->name_, "write to it");
   // Two programs may both find it empty: looked at again with the lock held.
   if (const int code = run(database, "BEGIN IMMEDIATE"); code != SQLITE_OK)
     return failure(database, code, file->name_, "write to it");
