@@ -14,6 +14,7 @@
 #include "host/inspect/decide.hpp"
 #include "host/report/deviation_ply.hpp"
 #include "host/report/json_values.hpp"
+#include "host/report/terminal_text.hpp"
 
 namespace tetragauge {
 namespace {
@@ -188,6 +189,43 @@ TEST(Report, TextSaysTheVerdictFirstAndFits100Columns) {
   EXPECT_EQ(first_line().substr(0, 5), "PASS:");
   made.run.inspection.verdict = Verdict::none;
   EXPECT_EQ(first_line().substr(0, 11), "NO VERDICT:");
+}
+
+TEST(Report, TheTerminalEndsWithTheVerdictAndThePage) {
+  const Made made;
+  const Report report = made.report();
+  const auto last_line = [](const std::string& text) {
+    return text.substr(text.rfind('\n', text.size() - 2) + 1);
+  };
+  const std::string plain = terminal_text(report, "out/report.html", false);
+  EXPECT_EQ(plain.substr(0, report_text(report).size()), report_text(report));
+  EXPECT_EQ(last_line(plain),
+            "FAIL: face 2 (plane) is 0.400 mm +- 0.020 mm out, limit 0.100 mm; report: out/report.html\n");
+  // A long path cuts the sentence short, between words.
+  EXPECT_EQ(last_line(terminal_text(report, std::string(50, 'p') + "/report.html", false)),
+            "FAIL: face 2 (plane) is ...; report: " + std::string(50, 'p') + "/report.html\n");
+  // Colour adds escapes and nothing else.
+  std::string coloured = terminal_text(report, "out/report.html", true);
+  EXPECT_NE(coloured, plain);
+  for (size_t at = 0; (at = coloured.find("\033[", at)) != std::string::npos;)
+    coloured.erase(at, coloured.find('m', at) + 1 - at);
+  EXPECT_EQ(coloured, plain);
+}
+
+TEST(Report, NumbersTooWideForTheirColumnLoseDecimals) {
+  Made made;
+  made.run.inspection.faces[1].offset_mm = -123456.789;
+  made.run.inspection.faces[1].tilt_rad = 1.2345678;
+  made.run.inspection.faces[1].decided_by->deviation = 123456.789;
+  std::istringstream lines(report_text(made.report()));
+  size_t rows = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("   2 plane")) continue;
+    ++rows;
+    EXPECT_LE(line.size(), 100u) << line;
+    EXPECT_NE(line.find(" -123457 1234.57 "), std::string::npos) << line;
+  }
+  EXPECT_EQ(rows, 1u);
 }
 
 TEST(Report, DeviationPlyHoldsEveryPoint) {
