@@ -218,8 +218,13 @@ class PartKeeper {
 };
 
 // Of a part that could not be measured: there is no going on with half a part, the next stands there soon.
-std::string reason_of(const Error& error) {
-  return error.message.substr(0, error.message.find("\nwhat was measured so far"));
+// An emulated machine's device has another name in every run, and would make equal runs differ.
+std::string reason_of(const Error& error, bool is_emulated) {
+  const std::string why = error.message.substr(0, error.message.find("\nwhat was measured so far"));
+  const size_t device_end = why.find(": ");
+  return is_emulated && why.starts_with("unix:") && device_end != std::string::npos
+             ? why.substr(device_end + 2)
+             : why;
 }
 
 int worse_code(int a, int b) {
@@ -253,14 +258,14 @@ Result<int> measure_for_batch(const Console& console, MeasureArguments& argument
     console.say(part.name + ": " + std::string(verdict_name(keeper.parts().back().verdict)));
     return code;
   }
-  const std::string why = reason_of(code.error());
+  const bool is_emulated = arguments.scan.machine.port.empty();
+  const std::string why = reason_of(code.error(), is_emulated);
   console.say(part.name + ": " + why);
   std::error_code ignored;
   std::filesystem::remove(journal_of(scan_file(arguments)), ignored);
   if (!is_kept) {
-    const auto seed = arguments.scan.machine.port.empty()
-                          ? std::optional<uint64_t>(arguments.scan.machine.emulated.seed)
-                          : std::nullopt;
+    const std::optional<uint64_t> seed =
+        is_emulated ? std::optional(arguments.scan.machine.emulated.seed) : std::nullopt;
     if (Status kept = keeper.add_unmeasured(part.name, seed, why); !kept) return kept.error();
   }
   return static_cast<int>(code.error().kind);

@@ -123,6 +123,7 @@ class History(cl.CommandLineTest):
         part = self.run_json('history', 'parts.db')['models'][0]['parts'][0]
         self.assertIn('interlock', part['reason'])
         self.assertNotIn('--resume', part['reason'])
+        self.assertNotIn('unix:', part['reason'], 'another name in every run')
         self.assertEqual(self.run_command('history', 'parts.db', '--model-hash', 'zz').returncode, 3)
         self.assertEqual(self.run_command('history', 'parts.db', '--face', '3').returncode, 3)
 
