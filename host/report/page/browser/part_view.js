@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The part in 3-D. Drawn when something changes, not all the time.
-import {BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments, Matrix4, Mesh, OrthographicCamera, Points, Raycaster, Scene, Vector2, Vector3, WebGLRenderer} from 'three';
+import {BufferAttribute, BufferGeometry, Matrix4, Mesh, OrthographicCamera, Points, Raycaster, Scene, Vector2, Vector3, WebGLRenderer} from 'three';
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 import {LineMaterial} from 'three/addons/lines/LineMaterial.js';
 import {LineSegments2} from 'three/addons/lines/LineSegments2.js';
@@ -51,13 +51,13 @@ export class PartView {
     this.part = new Mesh(this.geometry, this.faceMaterial);
     this.anchors = faceAnchors(data);
     this.edges = faceEdges(data);
-    const all = new BufferGeometry();
-    all.setAttribute('position', new BufferAttribute(Float32Array.from([...this.edges.values()].flat()), 3));
-    this.edgeMaterial = new LineBasicMaterial();
+    // Drawn as narrow quads: chains of short lines of one pixel break up into dashes.
+    this.edgeMaterial = new LineMaterial({linewidth: 1.25, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -2});
+    const edges = new LineSegments2(new LineSegmentsGeometry().setPositions([...this.edges.values()].flat()), this.edgeMaterial);
     this.outline = new LineSegments2(new LineSegmentsGeometry(), new LineMaterial({linewidth: 3, depthTest: false, transparent: true}));
     this.outline.visible = false;
     this.outline.renderOrder = 2;
-    this.scene.add(this.part, new LineSegments(all, this.edgeMaterial), this.outline);
+    this.scene.add(this.part, edges, this.outline);
     const pattern = this.geometry.getAttribute('pattern');
     const missing = new Set(data.report.missing_faces);
     for (let v = 0; v < pattern.count; ++v) {
