@@ -53,6 +53,24 @@ std::string face_sentence(const FaceInspection& face, const Report& report) {
          what_is_out(by, report.tolerances) + print(", limit %.3f %s", by.limit, unit);
 }
 
+// What fails beside the model's own faces: "" if nothing.
+std::string surplus_and_missing(const Inspection& inspection) {
+  size_t missing = 0, excess = 0, surplus = 0;
+  for (const MaterialFault& fault : inspection.material_faults) ++(fault.missing ? missing : excess);
+  for (const ExtraFace& extra : inspection.extra_faces) surplus += extra.out_of_tolerance;
+  std::string text;
+  const auto add = [&](size_t count, const char* what, const char* thing) {
+    if (count == 0) return;
+    if (!text.empty()) text += ", ";
+    text += print(what, count) + print(" %s%s", thing, count == 1 ? "" : "s");
+  };
+  add(missing, "material missing in %zu", "place");
+  add(excess, "material in excess in %zu", "place");
+  add(surplus, "%zu measured", "face");
+  if (surplus > 0) text += " that the model does not have";
+  return text;
+}
+
 }  // namespace
 
 std::string material_sentence(const MaterialFault& fault) {
@@ -79,16 +97,13 @@ std::string verdict_line(const Report& report) {
       return print("PASS: all %zu faces with a tolerance are within it", judged) +
              (skipped > 0 ? print(", %zu skipped", skipped) : "");
     case Verdict::fail: {
-      if (face) return "FAIL: " + face_sentence(*face, report) + others;
-      if (!inspection.material_faults.empty()) {
-        const size_t count = inspection.material_faults.size();
-        return "FAIL: " + material_sentence(inspection.material_faults.front()) +
-               (count > 1 ? print("; %zu such places in all", count) : "");
-      }
-      const auto surplus = std::count_if(inspection.extra_faces.begin(), inspection.extra_faces.end(),
-                                         [](const ExtraFace& extra) { return extra.out_of_tolerance; });
-      return print("FAIL: %td measured face%s that the model does not have, out of tolerance", surplus,
-                   surplus == 1 ? "" : "s");
+      const std::string besides = surplus_and_missing(inspection);
+      if (face)
+        return "FAIL: " + face_sentence(*face, report) + others +
+               (besides.empty() ? "" : "; besides, " + besides);
+      if (inspection.material_faults.size() == 1)
+        return "FAIL: " + material_sentence(inspection.material_faults.front());
+      return "FAIL: " + besides;
     }
     case Verdict::undecided:
       return "UNDECIDED: " + (face ? face_sentence(*face, report) : std::string()) + others;
