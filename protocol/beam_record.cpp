@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "protocol/beam_record.hpp"
 
+#include <bit>
+
 #include "protocol/frame.hpp"
 
 namespace tetragauge {
@@ -47,12 +49,8 @@ uint32_t crc_of_beam(const BeamRecord& beam, uint32_t crc) {
                              beam.sigma_100nm,
                              beam.intensity_permille,
                              beam.flags};
-  const uint32_t count = beam.reason == 0 ? 11 : 5;
-  uint8_t bytes[sizeof fields];
-  for (uint32_t i = 0; i < count; ++i) {
-    for (uint32_t k = 0; k < 4; ++k) bytes[4 * i + k] = static_cast<uint8_t>(fields[i] >> (8 * k));
-  }
-  return crc32c(bytes, 4 * count, crc);
+  static_assert(std::endian::native == std::endian::little);
+  return crc32c(fields, sizeof fields[0] * (beam.reason == 0 ? 11u : 5u), crc);
 }
 
 void BatchBuilder::start(uint32_t plan_id, uint32_t view, int32_t table_udeg, int32_t slide_um) {

@@ -6,6 +6,8 @@
 
 #include <cstring>
 
+#include "protocol/encode_points.hpp"
+
 namespace tetragauge {
 namespace {
 
@@ -82,23 +84,23 @@ bool known_values(const tg_MachineMessage& message) {
   }
 }
 
-size_t encode_framed(FrameHeader header, const pb_msgdesc_t* fields, const void* message, uint8_t* wire) {
-  uint8_t payload[kFramePayloadBytes];
-  const size_t bytes = encode_fields(fields, message, payload);
-  return bytes == 0 ? 0 : encode_frame(header, payload, bytes, wire);
-}
-
 }  // namespace
 
 size_t encode_message(FrameHeader header, const tg_HostMessage& message, uint8_t* wire) {
-  return encode_framed(header, tg_HostMessage_fields, &message, wire);
+  uint8_t payload[kFramePayloadBytes];
+  const size_t bytes = encode_fields(tg_HostMessage_fields, &message, payload);
+  return bytes == 0 ? 0 : encode_frame(header, payload, bytes, wire);
 }
 
 size_t encode_message(FrameHeader header, const tg_MachineMessage& message, uint8_t* wire) {
-  return encode_framed(header, tg_MachineMessage_fields, &message, wire);
+  uint8_t payload[kFramePayloadBytes];
+  const size_t bytes = encode_payload(message, payload);
+  return bytes == 0 ? 0 : encode_frame(header, payload, bytes, wire);
 }
 
 size_t encode_payload(const tg_MachineMessage& message, uint8_t* payload) {
+  if (message.which_body == tg_MachineMessage_points_tag)
+    return encode_points(message.body.points, payload, kFramePayloadBytes);
   return encode_fields(tg_MachineMessage_fields, &message, payload);
 }
 

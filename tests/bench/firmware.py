@@ -20,7 +20,7 @@ FAST_SAMPLES = 8  # with the laser on: what 2,000 points/s leave time for
 WHOLE_POINT = 20000
 LIMITS = {
     'optics solve and judgement': 10000,
-    'encode + CRC + COBS': 3200,  # what it is; the goal is 1,600
+    'encode + CRC + COBS': 1600,
     'next step is ready after the edge, both axes, worst': 312,  # half of the time between two steps
 }
 

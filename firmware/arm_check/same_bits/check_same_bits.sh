@@ -17,7 +17,7 @@ mkdir -p "$work"
 cd "$work"
 compiler() { if command -v ccache >/dev/null; then ccache "$@"; else "$@"; fi; }
 
-mapfile -t sources < <(find "$source_dir"/protocol/frame.cpp "$source_dir"/protocol/message.cpp "$source_dir"/protocol/beam_record.cpp \
+mapfile -t sources < <(find "$source_dir"/protocol/frame.cpp "$source_dir"/protocol/message.cpp "$source_dir"/protocol/beam_record.cpp "$source_dir"/protocol/encode_points.cpp \
   "$source_dir"/firmware/{measure,motion} "$source_dir"/firmware/machine_config.cpp "$source_dir"/firmware/arm_check/same_bits \
   -name '*.cpp' ! -name '*_test.cpp' | LC_ALL=C sort)
 # build NAME COMPILER_PREFIX FLAGS...
