@@ -69,7 +69,11 @@ struct MisplacedFeature {
   std::vector<FreeDirection> undetermined;  // in which its own faces do not say where it is
 };
 
+// What the pose rests on: planes where they determine it, otherwise all points against the model's surface.
+enum class MatchedBy { planes, surface };
+
 struct Match {
+  MatchedBy found_by = MatchedBy::planes;
   RigidTransform T_model_part;  // p_model = T_model_part * p_part
   Mat6 covariance =
       Mat6::Zero();  // left perturbation rx ry rz tx ty tz about the part's centroid, rad and mm
@@ -91,7 +95,8 @@ Result<Match> match_face_lists(const FaceList& model, const FaceList& measured,
                                const MatchOptions& options = {});
 
 // The whole: poses from the lists, free-space violation along the scan's rays, refinement on raw points
-// without faces that are out of place.
+// without faces that are out of place. Where the planes give no pose, leave directions free or explain too
+// little of the scan, the raw points are matched to the model's surface, if that says more.
 Result<Match> match_scan(const Solid& model, const RayCaster& caster, const Scan& scan,
                          const MeasuredFaces& measured, const MatchOptions& options = {});
 

@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "host/match/match.hpp"
+#include "host/match/match_surface.hpp"
 #include "host/match/rank_poses.hpp"
 #include "host/match/rule_out.hpp"
 #include "host/match/score_rays.hpp"
@@ -16,6 +17,10 @@ namespace {
 
 // The lists alone may prefer a wrong pose of a near-symmetric part by a small face or two.
 constexpr double kLetRaysDecide = 3 * kFaceCost;
+
+// A pose by planes that more of the rays contradict is looked at again by all points.
+constexpr double kTooMuchAgainst = 0.5;
+constexpr size_t kMostStarts = 24;
 
 // Keeps the poses that the rays contradict no more than the best, and returns the others with what rules them
 // out; points on no face of the part (fixture, table) contradict all poses alike.
@@ -46,13 +51,9 @@ std::vector<RuledOutPose> keep_what_rays_allow(std::vector<RankedPose>& poses, c
   return ruled_out;
 }
 
-}  // namespace
-
-Result<Match> match_scan(const Solid& solid, const RayCaster& caster, const Scan& scan,
-                         const MeasuredFaces& faces, const MatchOptions& options) {
+Result<Match> match_planes(const Solid& solid, const RayCaster& caster, const Scan& scan,
+                           const MeasuredFaces& faces, const MatchOptions& known) {
   const double size_mm = (solid.box_max_mm - solid.box_min_mm).norm();
-  MatchOptions known = options;  // a solid knows its size and its centroid, which a list only suggests
-  if (!(known.max_offset_mm > 0)) known.max_offset_mm = kDefaultMaxOffset * size_mm;
   Result<MatchInput> input = match_input(solid.list, faces.list, known);
   if (!input) return input.error();
   input->model.size_mm = size_mm;
@@ -73,6 +74,42 @@ Result<Match> match_scan(const Solid& solid, const RayCaster& caster, const Scan
   match.ruled_out.insert(match.ruled_out.begin(), ruled_out.begin(), ruled_out.end());
   if (match.ruled_out.size() > kMostRuledOut) match.ruled_out.resize(kMostRuledOut);
   return match;
+}
+
+// Rays that contradict the pose, as a share.
+double share_against(const RayCaster& caster, const Scan& scan, const Match& match) {
+  const RayScore score = score_rays(caster, scan, match.T_model_part, 600, 0.3 * match.max_offset_mm);
+  return score.rays > 0 ? static_cast<double>(score.against()) / static_cast<double>(score.rays) : 0;
+}
+
+}  // namespace
+
+Result<Match> match_scan(const Solid& solid, const RayCaster& caster, const Scan& scan,
+                         const MeasuredFaces& faces, const MatchOptions& options) {
+  const double size_mm = (solid.box_max_mm - solid.box_min_mm).norm();
+  MatchOptions known = options;  // a solid knows its size and its centroid, which a list only suggests
+  if (!(known.max_offset_mm > 0)) known.max_offset_mm = kDefaultMaxOffset * size_mm;
+  Result<Match> planes = match_planes(solid, caster, scan, faces, known);
+  // Whoever names pairs of faces wants these, not what fits better without them.
+  if (!options.rules.empty()) return planes;
+  const double against = planes ? share_against(caster, scan, *planes) : 1;
+  if (planes && planes->undetermined.empty() && against < kTooMuchAgainst) return planes;
+
+  std::vector<RigidTransform> starts;
+  if (planes) {
+    starts.push_back(planes->T_model_part);
+    for (const EquivalentPose& other : planes->equivalents) starts.push_back(other.T_model_part);
+    if (starts.size() > kMostStarts) starts.resize(kMostStarts);
+  }
+  Result<SurfaceMatch> surface = match_surface(solid, caster, scan, faces.list, known, starts);
+  if (!surface) return planes ? std::move(planes) : Result<Match>(surface.error());
+  if (!planes) return std::move(surface->match);
+  const bool is_better = surface->start_cost >= surface->cost + kSameCost;
+  const bool says_more = surface->match.undetermined.size() < planes->undetermined.size();
+  if (planes->undetermined.empty() ? is_better && share_against(caster, scan, surface->match) < 0.5 * against
+                                   : is_better || says_more)
+    return std::move(surface->match);
+  return planes;
 }
 
 }  // namespace tetragauge

@@ -128,8 +128,7 @@ bool same_pose(const RankedPose& a, const RankedPose& b, const Vec3& part_centro
 }  // namespace
 
 Result<PlaneSet> model_planes(const FaceList& model) {
-  // A tenth of a degree: what one drawing would not call the same direction is not.
-  PlaneSet planes = plane_set(model, 1.75e-3);
+  PlaneSet planes = plane_set(model, kModelDirection_rad);
   if (planes.planes.empty())
     return bad_input("the model has no planar face to match (" + std::to_string(model.faces.size()) +
                      " faces in all); give a model with planes");

@@ -40,6 +40,8 @@ struct MatchInput {
 // Normals of one face, measured and modelled, farther apart are not of one face: twice what a degree of noise
 // in the thesis's worst face (1.5 degrees) needs.
 inline constexpr double kDefaultMaxAngle_rad = 3.5 * 0.017453292519943295;
+// A tenth of a degree: what one drawing would not call the same direction is not.
+inline constexpr double kModelDirection_rad = 1.75e-3;
 inline constexpr double kDefaultMaxOffset = 0.015;  // of the part's size
 
 // Two poses whose costs differ by less are not told apart: a likelihood ratio of e^4.5, about one in a

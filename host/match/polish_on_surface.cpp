@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "host/match/polish_on_surface.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace tetragauge {
+namespace {
+
+constexpr double kLeastCosine = 0.1;  // beyond 84 degrees of incidence a range says little about the surface
+constexpr double kMostSurprise = 9;   // three standard deviations, squared
+constexpr double kTukey = 4.685;      // 95 % efficient (Holland and Welsch, Commun. Stat. A6 (1977) 813)
+constexpr double kFromMedian = 1.4826;  // standard deviation from a median of absolute values
+constexpr size_t kCostPoints = 1500, kCostSamples = 800;
+constexpr int kBlocks = 8;  // along the model's size: waves within such a block err together
+
+}  // namespace
+
+RigidTransform nudged(const RigidTransform& T, const Vec6& step, const Vec3& pivot) {
+  const double angle = step.head<3>().norm();
+  const Mat3 R =
+      angle > 0 ? Eigen::AngleAxisd(angle, step.head<3>() / angle).toRotationMatrix() : Mat3::Identity();
+  return RigidTransform{R, pivot + step.tail<3>() - R * pivot} * T;
+}
+
+std::vector<RayResidual> ray_residuals(const SurfaceProblem& problem, const RigidTransform& T,
+                                       size_t points) {
+  std::vector<RayResidual> residuals(std::min(points, problem.points.size()));
+  const double reach_mm = 2 * problem.size_mm;  // the ray is followed from so far before the point
+  for (size_t i = 0; i < residuals.size(); ++i) {
+    RayResidual& out = residuals[i];
+    const Vec3 p = T * problem.points[i].point_mm, towards = T.R * problem.points[i].towards;
+    out.point_mm = p;
+    double distance = problem.size_mm;  // for choosing between the two: how far the point is off at all
+    if (const SurfaceSample* sample = problem.model.find(p, towards)) {
+      const Vec3 error = p - sample->point_mm;
+      const double across = sample->normal.dot(error);
+      const double along = (error - across * sample->normal).norm();
+      if (along < 1.5 * problem.model_spacing_mm) {
+        out = {true, across, 0, p, sample->normal};
+        distance = std::abs(across);
+      }
+    }
+    const double before = std::min(reach_mm, problem.points[i].range_mm);
+    const std::optional<RayHit> hit = problem.caster.first_hit(p + before * towards, -towards);
+    if (hit) {
+      const double across = hit->normal.dot(p - hit->point_mm);
+      // The hit is exact where the sample is not; it is left only where the ray meets something else.
+      if (std::abs(across) < distance + 0.25 * problem.model_spacing_mm &&
+          std::abs(hit->distance_mm - before) < 3 * problem.model_spacing_mm + 4 * std::abs(across))
+        out = {true, across, 0, p, hit->normal};
+    }
+    if (!out.near) continue;
+    const double cosine = std::max(kLeastCosine, std::abs(out.normal.dot(towards)));
+    out.variance_mm2 = std::pow(problem.points[i].sigma_mm * cosine, 2);
+  }
+  return residuals;
+}
+
+SurfaceScatter surface_scatter(const SurfaceProblem& problem, const std::vector<RayResidual>& residuals) {
+  SurfaceScatter scatter;
+  std::vector<double> offsets, own;
+  for (const RayResidual& r : residuals) {
+    offsets.push_back(r.near ? std::abs(r.offset_mm) : problem.size_mm);
+    own.push_back(r.variance_mm2);
+  }
+  if (offsets.empty()) return scatter;
+  const auto median = [](std::vector<double>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  const double all = kFromMedian * median(offsets), sensor = median(own);
+  scatter.scatter_mm = std::sqrt(std::max(1e-10 * problem.size_mm * problem.size_mm, all * all - sensor));
+
+  // Sums over blocks scatter more than independent points' would by the number that err together (batch
+  // means).
+  std::map<std::array<int, 3>, double> sums;
+  double squares = 0;
+  const double block_mm = problem.size_mm / kBlocks;
+  for (const RayResidual& r : residuals) {
+    const double normalised =
+        r.offset_mm / std::sqrt(r.variance_mm2 + scatter.scatter_mm * scatter.scatter_mm);
+    if (!r.near || normalised * normalised > kMostSurprise) continue;
+    const Vec3 at = r.point_mm / block_mm;
+    sums[{static_cast<int>(std::floor(at.x())), static_cast<int>(std::floor(at.y())),
+          static_cast<int>(std::floor(at.z()))}] += normalised;
+    squares += normalised * normalised;
+  }
+  double of_sums = 0;
+  for (const auto& [block, sum] : sums) of_sums += sum * sum;
+  if (squares > 0) scatter.together = std::max(1.0, of_sums / squares);
+  return scatter;
+}
+
+double surface_cost(const SurfaceProblem& problem, const RigidTransform& T, const SurfaceScatter& scatter) {
+  const std::vector<RayResidual> residuals = ray_residuals(problem, T, kCostPoints);
+  const double added = scatter.scatter_mm * scatter.scatter_mm;
+  double points = 0;
+  for (const RayResidual& r : residuals)
+    points += r.near ? std::min(kMostSurprise, r.offset_mm * r.offset_mm / (r.variance_mm2 + added))
+                     : kMostSurprise;
+  double samples = 0, weight = 0;
+  const double blur_mm = std::hypot(scatter.scatter_mm, problem.scan_spacing_mm);
+  const RigidTransform back = T.inverse();
+  for (const VisibleSample& v : visible_samples(problem, T, kCostSamples)) {
+    const Vec3 at = back * v.sample->point_mm;
+    const double apart = (problem.scan.find(at, Vec3::Zero())->point_mm - at).norm();
+    const double beyond = std::max(0.0, apart - problem.scan_spacing_mm) / blur_mm;
+    samples += v.cosine * std::min(kMostSurprise, beyond * beyond);
+    weight += v.cosine;
+  }
+  const auto count = static_cast<double>(residuals.size());
+  const double unseen = weight > 0 ? samples / weight : kMostSurprise;
+  const double together =
+      std::max(1.0, scatter.together * count / static_cast<double>(problem.points.size()));
+  return (points + count * unseen) / together;
+}
+
+PolishedPose polish_on_surface(const SurfaceProblem& problem, const RigidTransform& start,
+                               const SurfaceScatter& scatter, size_t points, int iterations) {
+  PolishedPose out{start};
+  const Vec3& pivot = problem.pivot_mm;
+  const double arm_mm = 0.3 * problem.size_mm, added = scatter.scatter_mm * scatter.scatter_mm;
+  Vec6 hold;  // the outlines' own information
+  hold << Vec3::Constant(arm_mm * arm_mm), Vec3::Ones();
+  hold /= problem.scan_spacing_mm * problem.scan_spacing_mm;
+  Vec6 gone = Vec6::Zero();  // from the start, summed up
+  for (int k = 0; k <= iterations; ++k) {
+    Mat6 matrix = Mat6::Zero();
+    Vec6 right = Vec6::Zero();
+    double squares = 0, used = 0;
+    for (const RayResidual& r : ray_residuals(problem, out.T_model_part, points)) {
+      if (!r.near) continue;
+      const double square = r.offset_mm * r.offset_mm / (r.variance_mm2 + added) / (kTukey * kTukey);
+      if (square >= 1) continue;
+      const double weight = (1 - square) * (1 - square) / (r.variance_mm2 + added);
+      Vec6 row;
+      row << (r.point_mm - pivot).cross(r.normal), r.normal;
+      matrix += weight * row * row.transpose();
+      right -= weight * r.offset_mm * row;
+      squares += r.offset_mm * r.offset_mm;
+      used += 1;
+    }
+    out.information = matrix / scatter.together;
+    out.rms_mm = used > 0 ? std::sqrt(squares / used) : 0;
+    if (k == iterations) break;
+    matrix.diagonal() += hold;
+    right -= hold.cwiseProduct(gone);
+    const Vec6 step = matrix.ldlt().solve(right);
+    gone += step;
+    out.T_model_part = nudged(out.T_model_part, step, pivot);
+    if (arm_mm * step.head<3>().norm() + step.tail<3>().norm() < 1e-7 * problem.size_mm) {
+      iterations = k + 1;
+    }
+  }
+  return out;
+}
+
+}  // namespace tetragauge
