@@ -49,6 +49,7 @@ SurfaceFreedom free_on_surface(const SurfaceProblem& problem, const PolishedPose
       variance[k] = 1 / eigen.eigenvalues()[k];
       continue;
     }
+    const Vec6 held = eigen.eigenvectors().col(k).cwiseQuotient(unit);
     bool free = false;
     for (const double way : {-1.0, 1.0}) {
       RigidTransform moved = pose.T_model_part;
@@ -57,8 +58,9 @@ SurfaceFreedom free_on_surface(const SurfaceProblem& problem, const PolishedPose
       for (const double share : kTried) {
         const double step = way * (share - before) * problem.size_mm;
         before = share;
-        moved = polish_on_surface(problem, nudged(moved, step * motion, problem.pivot_mm), scatter, 800, 4)
-                    .T_model_part;
+        moved =
+            polish_on_surface(problem, nudged(moved, step * motion, problem.pivot_mm), scatter, 800, 4, held)
+                .T_model_part;
         const double risen = surface_cost(problem, moved, scatter) - cost;
         if (risen < same_cost) continue;
         // As from a parabola through here: the direction is known that well.

@@ -120,7 +120,8 @@ double surface_cost(const SurfaceProblem& problem, const RigidTransform& T, cons
 }
 
 PolishedPose polish_on_surface(const SurfaceProblem& problem, const RigidTransform& start,
-                               const SurfaceScatter& scatter, size_t points, int iterations) {
+                               const SurfaceScatter& scatter, size_t points, int iterations,
+                               const Vec6& held) {
   PolishedPose out{start};
   const Vec3& pivot = problem.pivot_mm;
   const double arm_mm = 0.3 * problem.size_mm, added = scatter.scatter_mm * scatter.scatter_mm;
@@ -148,6 +149,8 @@ PolishedPose polish_on_surface(const SurfaceProblem& problem, const RigidTransfo
     out.rms_mm = used > 0 ? std::sqrt(squares / used) : 0;
     if (k == iterations) break;
     matrix.diagonal() += hold;
+    // So stiff that what gives way is far below what matters, and the equations stay solvable.
+    matrix += 1e4 * matrix.diagonal().tail<3>().sum() * held * held.transpose();
     right -= hold.cwiseProduct(gone);
     const Vec6 step = matrix.ldlt().solve(right);
     gone += step;

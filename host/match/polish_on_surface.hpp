@@ -40,9 +40,11 @@ struct PolishedPose {
 };
 
 // Robust least squares (Tukey's biweight) over `points` rays. Along what rays do not hold it stays within
-// about the scan's spacing of the start, which knows the outlines.
+// about the scan's spacing of the start, which knows the outlines. `held`: a row whose product with the steps
+// stays zero.
 PolishedPose polish_on_surface(const SurfaceProblem& problem, const RigidTransform& start,
-                               const SurfaceScatter& scatter, size_t points, int iterations);
+                               const SurfaceScatter& scatter, size_t points, int iterations,
+                               const Vec6& held = Vec6::Zero());
 
 // A small turn and shift about the pivot, model frame.
 RigidTransform nudged(const RigidTransform& T, const Vec6& step, const Vec3& pivot_mm);
