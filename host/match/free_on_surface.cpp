@@ -38,7 +38,7 @@ SurfaceFreedom free_on_surface(const SurfaceProblem& problem, const PolishedPose
   unit << Vec3::Constant(1 / arm_mm), Vec3::Ones();
   const Mat6 scaled = unit.asDiagonal() * pose.information * unit.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Mat6> eigen(scaled);
-  const double cost = surface_cost(problem, pose.T_model_part, scatter);
+  const std::vector<double> costs = surface_costs(problem, pose.T_model_part, scatter);
   const double outlines = 1 / (problem.scan_spacing_mm * problem.scan_spacing_mm);
   Vec6 variance = Vec6::Zero();
   for (int k = 0; k < 6; ++k) {
@@ -61,8 +61,14 @@ SurfaceFreedom free_on_surface(const SurfaceProblem& problem, const PolishedPose
         moved =
             polish_on_surface(problem, nudged(moved, step * motion, problem.pivot_mm), scatter, 800, 4, held)
                 .T_model_part;
-        const double risen = surface_cost(problem, moved, scatter) - cost;
-        if (risen < same_cost) continue;
+        const std::vector<double> there = surface_costs(problem, moved, scatter);
+        double risen = 0, squares = 0;
+        for (size_t i = 0; i < costs.size(); ++i) {
+          risen += there[i] - costs[i];
+          squares += (there[i] - costs[i]) * (there[i] - costs[i]);
+        }
+        // Points at an edge come and go; they sum up to no more than that by chance.
+        if (risen < same_cost + 3 * std::sqrt(squares)) continue;
         // As from a parabola through here: the direction is known that well.
         const double reach = share * problem.size_mm;
         variance[k] = std::max(variance[k], reach * reach / risen);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 namespace tetragauge {
 namespace {
@@ -95,28 +96,38 @@ SurfaceScatter surface_scatter(const SurfaceProblem& problem, const std::vector<
   return scatter;
 }
 
-double surface_cost(const SurfaceProblem& problem, const RigidTransform& T, const SurfaceScatter& scatter) {
+std::vector<double> surface_costs(const SurfaceProblem& problem, const RigidTransform& T,
+                                  const SurfaceScatter& scatter) {
   const std::vector<RayResidual> residuals = ray_residuals(problem, T, kCostPoints);
+  const auto count = static_cast<double>(residuals.size());
+  const double together =
+      std::max(1.0, scatter.together * count / static_cast<double>(problem.points.size()));
   const double added = scatter.scatter_mm * scatter.scatter_mm;
-  double points = 0;
+  std::vector<double> costs;
   for (const RayResidual& r : residuals)
-    points += r.near ? std::min(kMostSurprise, r.offset_mm * r.offset_mm / (r.variance_mm2 + added))
-                     : kMostSurprise;
-  double samples = 0, weight = 0;
+    costs.push_back((r.near ? std::min(kMostSurprise, r.offset_mm * r.offset_mm / (r.variance_mm2 + added))
+                            : kMostSurprise) /
+                    together);
+  costs.resize(residuals.size() + std::min(kCostSamples, problem.model.samples().size()), 0.0);
   const double blur_mm = std::hypot(scatter.scatter_mm, problem.scan_spacing_mm);
   const RigidTransform back = T.inverse();
-  for (const VisibleSample& v : visible_samples(problem, T, kCostSamples)) {
+  const std::vector<VisibleSample> visible = visible_samples(problem, T, kCostSamples);
+  double weight = 0;
+  for (const VisibleSample& v : visible) weight += v.cosine;
+  for (const VisibleSample& v : visible) {
     const Vec3 at = back * v.sample->point_mm;
     const double apart = (problem.scan.find(at, Vec3::Zero())->point_mm - at).norm();
     const double beyond = std::max(0.0, apart - problem.scan_spacing_mm) / blur_mm;
-    samples += v.cosine * std::min(kMostSurprise, beyond * beyond);
-    weight += v.cosine;
+    // All that could be seen count together as much as all points.
+    costs[residuals.size() + static_cast<size_t>(v.sample - problem.model.samples().data())] =
+        v.cosine * std::min(kMostSurprise, beyond * beyond) * count / weight / together;
   }
-  const auto count = static_cast<double>(residuals.size());
-  const double unseen = weight > 0 ? samples / weight : kMostSurprise;
-  const double together =
-      std::max(1.0, scatter.together * count / static_cast<double>(problem.points.size()));
-  return (points + count * unseen) / together;
+  return costs;
+}
+
+double surface_cost(const SurfaceProblem& problem, const RigidTransform& T, const SurfaceScatter& scatter) {
+  const std::vector<double> costs = surface_costs(problem, T, scatter);
+  return std::accumulate(costs.begin(), costs.end(), 0.0);
 }
 
 PolishedPose polish_on_surface(const SurfaceProblem& problem, const RigidTransform& start,

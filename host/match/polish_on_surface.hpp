@@ -31,6 +31,8 @@ SurfaceScatter surface_scatter(const SurfaceProblem& problem, const std::vector<
 
 // Minus twice the log-likelihood of the pose, up to a constant: points off the surface, and surface that rays
 // should have met and no point lies on; each counts kMostSurprise at most.
+std::vector<double> surface_costs(const SurfaceProblem& problem, const RigidTransform& T,
+                                  const SurfaceScatter& scatter);  // per point, then per model sample
 double surface_cost(const SurfaceProblem& problem, const RigidTransform& T, const SurfaceScatter& scatter);
 
 struct PolishedPose {

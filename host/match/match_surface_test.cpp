@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Parts with hardly a plane, scanned by simulation from poses of our choice: the pose must come back.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+
+#include "host/match/match.hpp"
+#include "host/simulate/simulate.hpp"
+
+namespace tetragauge {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+Solid solid(const std::string& csg) {
+  const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) /
+                                     (std::string("tetragauge_surface_") + info->name() + ".csg");
+  std::ofstream(path, std::ios::binary) << csg;
+  Result<Solid> read = read_solid(path);
+  std::filesystem::remove(path);
+  if (!read) {
+    ADD_FAILURE() << read.error().message;
+    return {};
+  }
+  return std::move(read).value();
+}
+
+std::string ball(double x, double y, double z, double r) {
+  return "multmatrix([[1, 0, 0, " + std::to_string(x) + "], [0, 1, 0, " + std::to_string(y) +
+         "], [0, 0, 1, " + std::to_string(z) +
+         "], [0, 0, 0, 1]]) { sphere($fn = 0, $fa = 12, $fs = 2, r = " + std::to_string(r) + "); }\n";
+}
+
+std::string post(double x, double y, double height, double foot, double top) {
+  return "multmatrix([[1, 0, 0, " + std::to_string(x) + "], [0, 1, 0, " + std::to_string(y) +
+         "], [0, 0, 1, 0], [0, 0, 0, 1]]) { cylinder($fn = 0, $fa = 12, $fs = 2, h = " +
+         std::to_string(height) + ", r1 = " + std::to_string(foot) + ", r2 = " + std::to_string(top) +
+         ", center = false); }\n";
+}
+
+struct Simulated {
+  Result<Match> match;
+  RigidTransform T_scan_model;
+};
+
+Simulated match_seen_from(const Solid& model, const std::vector<Vec3>& directions, const RigidTransform& T,
+                          uint64_t seed) {
+  const RayCaster caster(model);
+  SimulateOptions options;
+  options.points = 6000;
+  options.sigma_mm = 0.05;
+  options.seed = seed;
+  options.T_scan_model = T;
+  for (const Vec3& direction : directions)
+    options.view_points_mm.push_back(T * (model.centroid_mm + 300 * direction));
+  const Result<Scan> scan = simulate(model, caster, options);
+  EXPECT_TRUE(scan.ok());
+  const Result<Reconstruction> reconstruction = reconstruct(*scan);
+  EXPECT_TRUE(reconstruction.ok());
+  const Result<MeasuredFaces> faces = find_faces(*scan, *reconstruction);
+  EXPECT_TRUE(faces.ok());
+  return {match_scan(model, caster, *scan, *faces), T};
+}
+
+// Within five standard deviations of its own covariance, along every direction; and that covariance must not
+// be an excuse.
+void expect_true_pose(const Simulated& run, const Vec3& centroid) {
+  ASSERT_TRUE(run.match.ok()) << run.match.error().message;
+  const RigidTransform error = run.match->T_model_part * run.T_scan_model;
+  const Vec3 shift = error * centroid - centroid;
+  const Eigen::AngleAxisd turn(error.R);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_LT(std::abs(turn.angle() * turn.axis()[k]), 5 * std::sqrt(run.match->covariance(k, k)));
+    EXPECT_LT(std::abs(shift[k]), 5 * std::sqrt(run.match->covariance(k + 3, k + 3)));
+    EXPECT_LT(std::sqrt(run.match->covariance(k, k)), 0.3 * kDegree);
+    EXPECT_LT(std::sqrt(run.match->covariance(k + 3, k + 3)), 0.1);
+  }
+}
+
+const RigidTransform kPoses[] = {{rotation_from_degrees(75, -35, 110), Vec3(-20, 40, 10)},
+                                 {rotation_from_degrees(-160, 20, 15), Vec3(5, -60, 33)}};
+
+TEST(MatchSurface, ACappedCylinderWithABossSeenFromOneSide) {
+  const Solid model =
+      solid("union() {\n" + post(0, 0, 50, 20, 20) + ball(0, 0, 50, 20) + ball(14, 6, 62, 9) + "}\n");
+  for (size_t k = 0; k < 2; ++k) {
+    const Simulated run = match_seen_from(model, {Vec3(1, 0.4, 0.8).normalized()}, kPoses[k], k + 1);
+    expect_true_pose(run, model.centroid_mm);
+    EXPECT_EQ(run.match->found_by, MatchedBy::surface);
+    EXPECT_TRUE(run.match->undetermined.empty());
+    EXPECT_TRUE(run.match->equivalents.empty());
+  }
+}
+
+TEST(MatchSurface, ARoundPartsAxisStaysFree) {
+  const Solid model = solid("union() {\n" + post(0, 0, 50, 20, 12) + ball(0, 0, 50, 12) + "}\n");
+  const Simulated run = match_seen_from(model, {Vec3(1, 0.4, 0.3).normalized()}, kPoses[0], 1);
+  ASSERT_TRUE(run.match.ok()) << run.match.error().message;
+  ASSERT_EQ(run.match->undetermined.size(), 1u);
+  const FreeDirection& free = run.match->undetermined[0];
+  EXPECT_EQ(free.kind, FreeDirection::Kind::rotation);
+  EXPECT_GT(std::abs(free.axis.z()), std::cos(0.2 * kDegree));
+  EXPECT_LT((free.point_mm - Vec3::UnitZ() * free.point_mm.z()).norm(), 0.1);
+  const RigidTransform error = run.match->T_model_part * run.T_scan_model;
+  EXPECT_GT((error.R * Vec3::UnitZ()).z(), std::cos(0.2 * kDegree));
+  const Vec3 foot = error * Vec3::Zero();
+  EXPECT_LT(foot.norm(), 0.2);
+}
+
+TEST(MatchSurface, ThreeEqualBallsAboutALargerOneHaveSixPoses) {
+  const double c = -0.5, s = std::sqrt(0.75);
+  const Solid model = solid("union() {\n" + ball(0, 0, 0, 18) + ball(22, 0, 0, 9) +
+                            ball(22 * c, 22 * s, 0, 9) + ball(22 * c, -22 * s, 0, 9) + "}\n");
+  std::vector<Vec3> around;
+  for (int k = 0; k < 6; ++k) around.push_back((k % 2 ? 1 : -1) * Vec3::Unit(k / 2));
+  const Simulated run = match_seen_from(model, around, kPoses[0], 1);
+  ASSERT_TRUE(run.match.ok()) << run.match.error().message;
+  EXPECT_EQ(run.match->equivalents.size(), 5u);
+  EXPECT_TRUE(run.match->undetermined.empty());
+  // Each is one of the six: it takes the balls' centres to the balls' centres.
+  std::vector<RigidTransform> poses{run.match->T_model_part};
+  for (const EquivalentPose& other : run.match->equivalents) poses.push_back(other.T_model_part);
+  for (const RigidTransform& pose : poses) {
+    const Vec3 image = pose * (run.T_scan_model * Vec3(22, 0, 0));
+    double nearest = 1e9;
+    for (const Vec3& centre : {Vec3(22, 0, 0), Vec3(22 * c, 22 * s, 0), Vec3(22 * c, -22 * s, 0)})
+      nearest = std::min(nearest, (image - centre).norm());
+    EXPECT_LT(nearest, 0.1);
+  }
+}
+
+}  // namespace
+}  // namespace tetragauge
