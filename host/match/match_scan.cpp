@@ -20,6 +20,7 @@ constexpr double kLetRaysDecide = 3 * kFaceCost;
 
 // A pose by planes that more of the rays contradict is looked at again by all points.
 constexpr double kTooMuchAgainst = 0.5;
+constexpr double kMostlyPlanes = 0.5;
 constexpr size_t kMostStarts = 24;
 
 // Keeps the poses that the rays contradict no more than the best, and returns the others with what rules them
@@ -76,6 +77,33 @@ Result<Match> match_planes(const Solid& solid, const RayCaster& caster, const Sc
   return match;
 }
 
+// Points on the faces that have a partner, as a share.
+double share_paired(const Scan& scan, const MeasuredFaces& faces, const Match& match) {
+  size_t paired = 0;
+  for (const FacePair& pair : match.pairs)
+    paired += faces.face_points[static_cast<size_t>(pair.measured) - 1].size();
+  return static_cast<double>(paired) / static_cast<double>(scan.size());
+}
+
+// Whether another pose is this one within the gates, moved along its free directions.
+bool same_but_for_free(const Match& match, const Match& other, const MatchOptions& known) {
+  const double max_angle = known.max_angle_rad > 0 ? known.max_angle_rad : kDefaultMaxAngle_rad;
+  const Mat3 turn = other.T_model_part.R * match.T_model_part.R.transpose();  // model frame
+  Vec3 shift = other.T_model_part * (match.T_model_part.inverse() * match.centroid_mm) - match.centroid_mm;
+  double angle = rotation_angle(turn);
+  bool spins = false;
+  for (const FreeDirection& free : match.undetermined) {
+    if (free.kind == FreeDirection::Kind::translation) {
+      shift -= shift.dot(free.axis) * free.axis;
+    } else {
+      const Vec3 image = turn * free.axis;
+      angle = std::atan2(image.cross(free.axis).norm(), image.dot(free.axis));
+      spins = true;
+    }
+  }
+  return angle < max_angle && (spins || shift.norm() < known.max_offset_mm);
+}
+
 // Rays that contradict the pose, as a share.
 double share_against(const RayCaster& caster, const Scan& scan, const Match& match) {
   const RayScore score = score_rays(caster, scan, match.T_model_part, 600, 0.3 * match.max_offset_mm);
@@ -104,6 +132,10 @@ Result<Match> match_scan(const Solid& solid, const RayCaster& caster, const Scan
   Result<SurfaceMatch> surface = match_surface(solid, caster, scan, faces.list, known, starts);
   if (!surface) return planes ? std::move(planes) : Result<Match>(surface.error());
   if (!planes) return std::move(surface->match);
+  // Where planes hold most of the points and are not contradicted, a direction they leave free is held by
+  // edges alone, and badly: a pose in which it is named as free says more than one to tenths of a millimetre.
+  if (share_paired(scan, faces, *planes) > kMostlyPlanes && same_but_for_free(*planes, surface->match, known))
+    return planes;
   const bool is_better = surface->start_cost >= surface->cost + kSameCost;
   const bool says_more = surface->match.undetermined.size() < planes->undetermined.size();
   if (planes->undetermined.empty() ? is_better && share_against(caster, scan, surface->match) < 0.5 * against
