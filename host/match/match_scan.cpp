@@ -21,6 +21,8 @@ constexpr double kLetRaysDecide = 3 * kFaceCost;
 // A pose by planes that more of the rays contradict is looked at again by all points.
 constexpr double kTooMuchAgainst = 0.5;
 constexpr double kMostlyPlanes = 0.5;
+// In scatters of the fit, and the share of rays that may be farther off: stray points, what is out of place.
+constexpr double kFarOff = 4, kMostFarOff = 0.25;
 constexpr size_t kMostStarts = 24;
 
 // Keeps the poses that the rays contradict no more than the best, and returns the others with what rules them
@@ -131,6 +133,11 @@ Result<Match> match_scan(const Solid& solid, const RayCaster& caster, const Scan
   }
   Result<SurfaceMatch> surface = match_surface(solid, caster, scan, faces.list, known, starts);
   if (!surface) return planes ? std::move(planes) : Result<Match>(surface.error());
+  // Some pose always fits best, also of another part. Of the right one hardly a ray is off by several times
+  // the scatter that the fit itself found.
+  const RayScore off =
+      score_rays(caster, scan, surface->match.T_model_part, 600, kFarOff * surface->match.rms_mm);
+  if (static_cast<double>(off.against()) > kMostFarOff * static_cast<double>(off.rays)) return planes;
   if (!planes) return std::move(surface->match);
   // Where planes hold most of the points and are not contradicted, a direction they leave free is held by
   // edges alone, and badly: a pose in which it is named as free says more than one to tenths of a millimetre.
