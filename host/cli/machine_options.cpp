@@ -67,7 +67,8 @@ Result<OpenMachine> MachineArguments::open() const {
   }
   Result<std::unique_ptr<Transport>> transport = open_transport(device);
   if (!transport) return transport.error();
-  Result<std::unique_ptr<Link>> link = Link::connect(std::move(*transport));
+  Result<std::unique_ptr<Link>> link =
+      Link::connect(std::move(*transport), machine.emulated ? kEmulatedLink : LinkOptions{});
   if (!link) return machine.explain(link.error());
   machine.link = std::move(*link);
   return machine;

@@ -1,13 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <malloc.h>
 #include <tbb/global_control.h>
 
 #include <cstdio>
 #include <exception>
+#include <limits>
 #include <memory>
 
 #include "host/cli/command.hpp"
 
 namespace {
+
+// Large arrays come and go between the stages. Given back to the system each time, their pages would have to
+// be cleared again for the next: a tenth of the time for a million points.
+void keep_freed_memory() {
+  mallopt(M_MMAP_MAX, 0);  // arrays of any size from the heap
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+}
 
 int fail(const tetragauge::Error& error) {
   std::fprintf(stderr, "tetragauge: %s\n", error.message.c_str());
@@ -23,6 +32,7 @@ int succeed(int code) {
 
 int main(int argc, char** argv) {
   using namespace tetragauge;
+  keep_freed_memory();
   cli::hold_standard_descriptors();
   cli::Console console;
   cli::Run run;

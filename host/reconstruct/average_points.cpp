@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "host/reconstruct/average_points.hpp"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -286,9 +288,9 @@ std::vector<uint32_t> canonical_order(const Scan& scan) {
   std::vector<uint32_t> order(scan.size());
   std::iota(order.begin(), order.end(), 0u);
   const auto value = [&](uint32_t i) {
-    return std::tuple(coordinates(scan.points[i]), coordinates(scan.ray_origins[i]), scan.sigma_mm[i]);
+    return std::tuple(coordinates(scan.points[i]), coordinates(scan.ray_origins[i]), scan.sigma_mm[i], i);
   };
-  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return value(a) < value(b); });
+  tbb::parallel_sort(order, [&](uint32_t a, uint32_t b) { return value(a) < value(b); });
   return order;
 }
 

@@ -3,6 +3,7 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_cell_base_with_info_3.h>
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <bit>
@@ -61,18 +62,16 @@ std::vector<Cell> sort_cells(const std::vector<Cell>& cells, size_t vertices) {
   for (size_t v = 0; v < vertices; ++v) first[v + 1] += first[v];
   std::vector<uint32_t> order(cells.size()), next(first.begin(), first.end() - 1), number(cells.size());
   for (uint32_t c = 0; c < cells.size(); ++c) order[next[cells[c].vertex[0]]++] = c;
-  for (size_t v = 0; v < vertices; ++v) {
+  tbb::parallel_for(size_t{0}, vertices, [&](size_t v) {
     std::sort(order.begin() + first[v], order.begin() + first[v + 1],
               [&](uint32_t a, uint32_t b) { return cells[a].vertex < cells[b].vertex; });
-  }
+    for (uint32_t at = first[v]; at < first[v + 1]; ++at) number[order[at]] = at;
+  });
   std::vector<Cell> sorted(cells.size());
-  for (uint32_t c = 0; c < order.size(); ++c) {
+  tbb::parallel_for(size_t{0}, cells.size(), [&](size_t c) {
     sorted[c] = cells[order[c]];
-    number[order[c]] = c;
-  }
-  for (Cell& cell : sorted) {
-    for (uint32_t& n : cell.neighbour) n = number[n];
-  }
+    for (uint32_t& n : sorted[c].neighbour) n = number[n];
+  });
   return sorted;
 }
 
@@ -149,11 +148,14 @@ Result<Tetrahedra> DelaunayTriangulation::tetrahedra() const {
   result.cells = sort_cells(copy_cells(state_->triangulation), points.size());
   result.mirror.assign(result.cells.size(), 0);
   result.vertex_cell.assign(points.size(), kNoCell);
-  for (uint32_t c = 0; c < result.cells.size(); ++c) {
+  tbb::parallel_for(size_t{0}, result.cells.size(), [&](size_t c) {
     const Cell& cell = result.cells[c];
     int mirror = 0;
     for (size_t i = 0; i < 4; ++i) mirror |= find_mirror(cell, i, result.cells[cell.neighbour[i]]) << (2 * i);
     result.mirror[c] = static_cast<uint8_t>(mirror);
+  });
+  for (uint32_t c = 0; c < result.cells.size(); ++c) {
+    const Cell& cell = result.cells[c];
     if (cell.is_infinite()) continue;
     for (uint32_t v : cell.vertex) {
       if (result.vertex_cell[v] == kNoCell) result.vertex_cell[v] = c;

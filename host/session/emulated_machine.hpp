@@ -3,6 +3,7 @@
 //
 //   auto machine = EmulatedMachine::start({.part = "staircase.csg"});
 //   auto transport = open_transport((*machine)->device());
+//   auto link = Link::connect(std::move(*transport), kEmulatedLink);
 #pragma once
 
 #include <sys/types.h>
@@ -14,6 +15,7 @@
 #include <string>
 
 #include "host/base/result.hpp"
+#include "host/link/link.hpp"
 
 namespace tetragauge {
 
@@ -30,6 +32,10 @@ struct EmulatedMachineOptions {
   std::filesystem::path emulator{};                 // empty: tetragauge-emulator beside the running program
   std::chrono::milliseconds start_timeout{60'000};  // reading a large model takes its time
 };
+
+// An emulated machine that has ended closes its line at once; one that only keeps silent is waiting for a
+// processor that others are using.
+constexpr LinkOptions kEmulatedLink{.silence = std::chrono::seconds(30)};
 
 class EmulatedMachine {
  public:

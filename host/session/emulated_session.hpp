@@ -20,19 +20,21 @@ struct EmulatedSession {
   std::unique_ptr<Link> link;
 };
 
-inline Result<std::unique_ptr<Link>> connect_to(const EmulatedMachine& machine) {
+inline Result<std::unique_ptr<Link>> connect_to(const EmulatedMachine& machine,
+                                                const LinkOptions& options = kEmulatedLink) {
   auto transport = open_transport(machine.device());
   if (!transport) return transport.error();
-  return Link::connect(std::move(*transport));
+  return Link::connect(std::move(*transport), options);
 }
 
-inline Result<EmulatedSession> start_session(EmulatedMachineOptions options) {
+inline Result<EmulatedSession> start_session(EmulatedMachineOptions options,
+                                             const LinkOptions& link_options = kEmulatedLink) {
   options.emulator = TETRAGAUGE_EMULATOR;
   EmulatedSession session;
   auto machine = EmulatedMachine::start(options);
   if (!machine) return machine.error();
   session.machine = std::move(*machine);
-  auto link = connect_to(*session.machine);
+  auto link = connect_to(*session.machine, link_options);
   if (!link) return link.error();
   session.link = std::move(*link);
   return session;

@@ -108,7 +108,7 @@ TEST(Session, UnpluggedInTheMiddleIsAnErrorAtOnce) {
 }
 
 TEST(Session, FrozenMachineIsAnErrorInBoundedTime) {
-  auto session = start_session({.part = box_file()});
+  auto session = start_session({.part = box_file()}, {.silence = std::chrono::seconds(1)});
   ASSERT_TRUE(session) << session.error().message;
   const pid_t emulator = session->machine->process();
   ScanOptions options;

@@ -50,7 +50,7 @@ BenchMachine start_machine(const BenchSetup& setup) {
   out.machine = std::move(*machine);
   auto transport = open_transport(out.machine->device());
   if (!transport) give_up(transport.error());
-  auto link = Link::connect(std::move(*transport));
+  auto link = Link::connect(std::move(*transport), kEmulatedLink);
   if (!link) give_up(link.error());
   out.link = std::move(*link);
   return out;
