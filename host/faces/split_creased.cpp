@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "host/faces/split_creased.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -91,6 +94,44 @@ std::optional<Crease> best_crease(std::vector<Sample> samples, const Eigen::Vect
   return best;
 }
 
+// A face as two planes.
+struct Parting {
+  Crease crease;
+  std::array<Plane, 2> part;  // below the crease and above it
+};
+
+std::optional<Parting> part_face(const Scan& scan, const std::vector<double>& sigma_mm, const PlaneFit& plane,
+                                 const std::vector<uint32_t>& members) {
+  const Vec3 &u = plane.covariance.u, &v = plane.covariance.v;
+  std::vector<Sample> samples;
+  samples.reserve(members.size());
+  double scale = 0, chi2 = 0;
+  for (uint32_t i : members) {
+    const Vec3 r = scan.points[i] - plane.centroid_mm;
+    const double s = sigma_across(sigma_mm[i], scan.ray_direction(i), plane.normal);
+    samples.push_back({r.dot(u), r.dot(v), r.dot(plane.normal), 1 / (s * s)});
+    scale = std::max(scale, r.norm());
+    chi2 += samples.back().weight * samples.back().height * samples.back().height;
+  }
+  if (samples.size() < 24 || !(scale > 0)) return std::nullopt;
+  const Bow bow = fit_bow(samples, scale);
+  if (chi2 - bow.chi2 <= kSamePlaneChi2) return std::nullopt;  // as flat as its noise allows
+  const auto crease = best_crease(samples, bow.across);
+  if (!crease || crease->turn < kFlatTurn || crease->chi2 > bow.chi2 ||
+      chi2 - crease->chi2 <= 2 * kSamePlaneChi2)
+    return std::nullopt;
+  PlaneSums side[2];
+  for (const Sample& s : samples)
+    side[crease->across.x() * s.a + crease->across.y() * s.b > crease->position ? 1 : 0].add(s);
+  Parting parting{*crease, {}};
+  for (size_t k = 0; k < 2; ++k) {
+    const Vec3 h = side[k].solution();  // height = h0 + h1 a + h2 b
+    const Vec3 normal = (plane.normal - h[1] * u - h[2] * v).normalized();
+    parting.part[k] = {normal, normal.dot(plane.centroid_mm + h[0] * plane.normal)};
+  }
+  return parting;
+}
+
 }  // namespace
 
 Creased split_creased(const Scan& scan, const Reconstruction& reconstruction, const FittedFaces& fitted,
@@ -105,43 +146,24 @@ Creased split_creased(const Scan& scan, const Reconstruction& reconstruction, co
   for (const PlaneFit& fit : fitted.fits) regions.planes.push_back({fit.normal, fit.d_mm});
 
   const std::vector<double> sigma_mm = floored_sigma_mm(scan);
-  for (const size_t f : faces) {
+  std::vector<std::optional<Parting>> partings(faces.size());
+  tbb::parallel_for(size_t{0}, faces.size(), [&](size_t k) {
+    partings[k] = part_face(scan, sigma_mm, fitted.fits[faces[k]], members[faces[k]]);
+  });
+  for (size_t k = 0; k < faces.size(); ++k) {
+    if (!partings[k]) continue;
+    const size_t f = faces[k];
     const PlaneFit& plane = fitted.fits[f];
-    const Vec3 &u = plane.covariance.u, &v = plane.covariance.v;
-    std::vector<Sample> samples;
-    double scale = 0, chi2 = 0;
-    for (uint32_t i : members[f]) {
-      const Vec3 r = scan.points[i] - plane.centroid_mm;
-      const double s = sigma_across(sigma_mm[i], scan.ray_direction(i), plane.normal);
-      samples.push_back({r.dot(u), r.dot(v), r.dot(plane.normal), 1 / (s * s)});
-      scale = std::max(scale, r.norm());
-      chi2 += samples.back().weight * samples.back().height * samples.back().height;
-    }
-    if (samples.size() < 24 || !(scale > 0)) continue;
-    const Bow bow = fit_bow(samples, scale);
-    if (chi2 - bow.chi2 <= kSamePlaneChi2) continue;  // as flat as its noise allows
-    const auto crease = best_crease(samples, bow.across);
-    if (!crease || crease->turn < kFlatTurn || crease->chi2 > bow.chi2 ||
-        chi2 - crease->chi2 <= 2 * kSamePlaneChi2)
-      continue;
+    const auto& [crease, part] = *partings[k];
     const auto second = static_cast<int32_t>(regions.planes.size());
     creased.parted.push_back(f);
-    PlaneSums side[2];
-    for (const Sample& s : samples)
-      side[crease->across.x() * s.a + crease->across.y() * s.b > crease->position ? 1 : 0].add(s);
-    for (int k = 0; k < 2; ++k) {
-      const Vec3 h = side[k].solution();  // height = h0 + h1 a + h2 b
-      const Vec3 normal = (plane.normal - h[1] * u - h[2] * v).normalized();
-      const Plane part{normal, normal.dot(plane.centroid_mm + h[0] * plane.normal)};
-      if (k == 0)
-        regions.planes[f] = part;
-      else
-        regions.planes.push_back(part);
-    }
+    regions.planes[f] = part[0];
+    regions.planes.push_back(part[1]);
     for (size_t w = 0; w < regions.vertex_region.size(); ++w) {
       if (fitted.vertex_face[w] != static_cast<int32_t>(f)) continue;
       const Vec3 r = reconstruction.vertices[w] - plane.centroid_mm;
-      if (crease->across.x() * r.dot(u) + crease->across.y() * r.dot(v) > crease->position)
+      if (crease.across.x() * r.dot(plane.covariance.u) + crease.across.y() * r.dot(plane.covariance.v) >
+          crease.position)
         regions.vertex_region[w] = second;
     }
   }

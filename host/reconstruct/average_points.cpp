@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "host/reconstruct/average_points.hpp"
 
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
@@ -23,32 +24,37 @@ std::tuple<double, double, double> coordinates(const Vec3& p) {
   return {p.x(), p.y(), p.z()};
 }
 
-class Averager {
+// The points by cubes as wide as the reach: those within reach of a point are in its own or a neighbouring
+// one.
+class Neighbourhoods {
  public:
-  Averager(const Scan& scan, const std::vector<double>& sigma_mm, double spacing_mm, AveragedPoints& result)
-      : scan_(scan),
-        sigma_mm_(sigma_mm),
-        spacing_mm_(spacing_mm),
-        reach_mm_(1.5 * spacing_mm),
-        result_(result) {}
-
-  // Each point in turn, if it is not in a vertex yet, gathers the free points around it that lie on its local
-  // plane. Neighbourhoods that are not plane are halved, twice; then the point stays alone, or with its
-  // crowd.
-  void run(const std::vector<uint32_t>& order) {
+  Neighbourhoods(const Scan& scan, const std::vector<uint32_t>& order, double reach_mm)
+      : scan_(scan), reach_mm_(reach_mm) {
     sort_into_grid(order);
-    taken_.assign(scan_.size(), 0);
-    std::vector<uint32_t> around, members;
-    for (uint32_t seed : order) {
-      if (taken_[seed]) continue;
-      collect_around(seed, around);
-      members.assign(1, seed);
-      bool is_plane = around.size() < 2;
-      for (double scale = 1; scale >= 0.25 && !is_plane; scale /= 2)
-        is_plane = gather(seed, around, scale, members);
-      if (!is_plane) gather_crowd(seed, around, members);
-      for (uint32_t i : members) taken_[i] = 1;
-      add_vertex(members);
+  }
+
+  double reach_mm() const { return reach_mm_; }
+  int64_t column(uint32_t i) const { return key(i)[0]; }  // along x
+
+  // Points within reach that were seen from the same side, the seed among them, nearest cells in fixed order.
+  void collect_around(uint32_t seed, std::vector<uint32_t>& around) const {
+    around.clear();
+    const GridKey k = key(seed);
+    const Vec3 ray = scan_.points[seed] - scan_.ray_origins[seed];
+    for (int64_t x = k[0] - 1; x <= k[0] + 1; ++x) {
+      for (int64_t y = k[1] - 1; y <= k[1] + 1; ++y) {
+        // Three cells in a row are neighbours in the sorted list.
+        auto cell = std::lower_bound(cells_.begin(), cells_.end(), GridKey{x, y, k[2] - 1});
+        for (; cell != cells_.end() && (*cell)[0] == x && (*cell)[1] == y && (*cell)[2] <= k[2] + 1; ++cell) {
+          const auto c = static_cast<size_t>(cell - cells_.begin());
+          for (size_t at = cell_begin_[c]; at < cell_begin_[c + 1]; ++at) {
+            const uint32_t i = sorted_[at];
+            if ((scan_.points[i] - scan_.points[seed]).squaredNorm() <= reach_mm_ * reach_mm_ &&
+                ray.dot(scan_.points[i] - scan_.ray_origins[i]) > 0)
+              around.push_back(i);
+          }
+        }
+      }
     }
   }
 
@@ -62,48 +68,71 @@ class Averager {
   void sort_into_grid(const std::vector<uint32_t>& order) {
     origin_ = scan_.points[order.front()];
     for (uint32_t i : order) origin_ = origin_.cwiseMin(scan_.points[i]);
-    std::vector<std::pair<GridKey, uint32_t>> keyed;
+    std::vector<std::pair<GridKey, uint32_t>> keyed;  // with the place in the order
     keyed.reserve(order.size());
-    for (uint32_t i : order) keyed.emplace_back(key(i), i);
-    std::stable_sort(keyed.begin(), keyed.end(),
-                     [](const auto& a, const auto& b) { return a.first < b.first; });
-    for (const auto& [k, i] : keyed) {
+    for (uint32_t at = 0; at < order.size(); ++at) keyed.emplace_back(key(order[at]), at);
+    tbb::parallel_sort(keyed);
+    for (const auto& [k, at] : keyed) {
       if (cells_.empty() || cells_.back() != k) {
         cells_.push_back(k);
         cell_begin_.push_back(sorted_.size());
       }
-      sorted_.push_back(i);
+      sorted_.push_back(order[at]);
     }
     cell_begin_.push_back(sorted_.size());
   }
 
-  // Points within reach that were seen from the same side, the seed among them, nearest cells in fixed order.
-  void collect_around(uint32_t seed, std::vector<uint32_t>& around) const {
-    around.clear();
-    const GridKey k = key(seed);
-    const Vec3 ray = scan_.ray_direction(seed);
-    for (int64_t x = k[0] - 1; x <= k[0] + 1; ++x) {
-      for (int64_t y = k[1] - 1; y <= k[1] + 1; ++y) {
-        // Three cells in a row are neighbours in the sorted list.
-        auto cell = std::lower_bound(cells_.begin(), cells_.end(), GridKey{x, y, k[2] - 1});
-        for (; cell != cells_.end() && (*cell)[0] == x && (*cell)[1] == y && (*cell)[2] <= k[2] + 1; ++cell) {
-          const auto c = static_cast<size_t>(cell - cells_.begin());
-          for (size_t at = cell_begin_[c]; at < cell_begin_[c + 1]; ++at) {
-            const uint32_t i = sorted_[at];
-            if ((scan_.points[i] - scan_.points[seed]).squaredNorm() <= reach_mm_ * reach_mm_ &&
-                ray.dot(scan_.ray_direction(i)) > 0)
-              around.push_back(i);
-          }
-        }
-      }
+  const Scan& scan_;
+  double reach_mm_;
+  Vec3 origin_;
+  std::vector<uint32_t> sorted_;    // by grid cell, canonical within
+  std::vector<GridKey> cells_;      // occupied, ascending
+  std::vector<size_t> cell_begin_;  // into sorted_, and its size at the end
+};
+
+// What one slab of points along x becomes.
+struct SlabVertices {
+  std::vector<Vec3> vertices;
+  std::vector<float> sigma_mm;
+  std::vector<Vec3> ray;
+  std::vector<std::pair<uint32_t, uint32_t>> point_vertex;  // point, vertex of this slab
+};
+
+class Averager {
+ public:
+  Averager(const Scan& scan, const std::vector<double>& sigma_mm, double spacing_mm,
+           const Neighbourhoods& neighbourhoods, std::vector<uint8_t>& taken)
+      : scan_(scan),
+        sigma_mm_(sigma_mm),
+        spacing_mm_(spacing_mm),
+        neighbourhoods_(neighbourhoods),
+        taken_(taken) {}
+
+  // Each point in turn, if it is not in a vertex yet, gathers the free points around it that lie on its local
+  // plane. Neighbourhoods that are not plane are halved, twice; then the point stays alone, or with its
+  // crowd.
+  SlabVertices run(std::span<const uint32_t> seeds) {
+    std::vector<uint32_t> around, members;
+    for (uint32_t seed : seeds) {
+      if (taken_[seed]) continue;
+      neighbourhoods_.collect_around(seed, around);
+      members.assign(1, seed);
+      bool is_plane = around.size() < 2;
+      for (double scale = 1; scale >= 0.25 && !is_plane; scale /= 2)
+        is_plane = gather(seed, around, scale, members);
+      if (!is_plane) gather_crowd(seed, around, members);
+      for (uint32_t i : members) taken_[i] = 1;
+      add_vertex(members);
     }
+    return std::move(result_);
   }
 
+ private:
   // If the points within `scale` times the reach lie on a plane: the free ones that are near the seed along
   // it become members.
   bool gather(uint32_t seed, const std::vector<uint32_t>& around, double scale,
               std::vector<uint32_t>& members) {
-    const double reach2 = std::pow(scale * reach_mm_, 2);
+    const double reach2 = std::pow(scale * neighbourhoods_.reach_mm(), 2);
     near_.clear();
     for (uint32_t i : around) {
       if ((scan_.points[i] - scan_.points[seed]).squaredNorm() <= reach2) near_.push_back(i);
@@ -193,22 +222,61 @@ class Averager {
     result_.vertices.push_back(base + mean / total);
     result_.sigma_mm.push_back(static_cast<float>(1 / std::sqrt(total)));
     result_.ray.push_back(ray.normalized());  // all within 90 degrees of the first: never zero
-    for (uint32_t i : members) result_.point_vertex[i] = index;
+    for (uint32_t i : members) result_.point_vertex.emplace_back(i, index);
   }
 
   const Scan& scan_;
   const std::vector<double>& sigma_mm_;
-  double spacing_mm_, reach_mm_;
-  AveragedPoints& result_;
-  Vec3 origin_;
-  std::vector<uint32_t> sorted_;    // by grid cell, canonical within
-  std::vector<GridKey> cells_;      // occupied, ascending
-  std::vector<size_t> cell_begin_;  // into sorted_, and its size at the end
-  std::vector<uint8_t> taken_;
+  double spacing_mm_;
+  const Neighbourhoods& neighbourhoods_;
+  std::vector<uint8_t>& taken_;
+  SlabVertices result_;
   std::vector<uint32_t> near_;
   std::vector<Vec3> points_;
   std::vector<double> weights_;
 };
+
+// Where slabs begin in `order`, and its end: each at least three cubes wide, so that two with one between
+// them never want the same point, and of enough points to be worth a task.
+std::vector<size_t> cut_into_slabs(const std::vector<uint32_t>& order, const Neighbourhoods& neighbourhoods) {
+  constexpr size_t kPoints = 1 << 14;
+  constexpr int64_t kCubes = 3;
+  std::vector<size_t> begin{0};
+  int64_t first = neighbourhoods.column(order.front()), last = first;
+  for (size_t at = 1; at < order.size(); ++at) {
+    const int64_t column = neighbourhoods.column(order[at]);
+    if (column != last && column - first >= kCubes && at - begin.back() >= kPoints) {
+      begin.push_back(at);
+      first = column;
+    }
+    last = column;
+  }
+  begin.push_back(order.size());
+  return begin;
+}
+
+// In slabs along x: every other one first, then those between, which take what these have left.
+void average(const Scan& scan, const std::vector<double>& sigma_mm, double spacing_mm,
+             const std::vector<uint32_t>& order, AveragedPoints& result) {
+  const Neighbourhoods neighbourhoods(scan, order, 1.5 * spacing_mm);
+  const std::vector<size_t> begin = cut_into_slabs(order, neighbourhoods);
+  const size_t slabs = begin.size() - 1;
+  std::vector<SlabVertices> made(slabs);
+  std::vector<uint8_t> taken(scan.size(), 0);
+  for (size_t first = 0; first < 2; ++first) {
+    tbb::parallel_for(first, slabs, size_t{2}, [&](size_t k) {
+      made[k] = Averager(scan, sigma_mm, spacing_mm, neighbourhoods, taken)
+                    .run(std::span(order).subspan(begin[k], begin[k + 1] - begin[k]));
+    });
+  }
+  for (const SlabVertices& slab : made) {
+    const auto before = static_cast<uint32_t>(result.vertices.size());
+    result.vertices.insert(result.vertices.end(), slab.vertices.begin(), slab.vertices.end());
+    result.sigma_mm.insert(result.sigma_mm.end(), slab.sigma_mm.begin(), slab.sigma_mm.end());
+    result.ray.insert(result.ray.end(), slab.ray.begin(), slab.ray.end());
+    for (const auto& [point, vertex] : slab.point_vertex) result.point_vertex[point] = before + vertex;
+  }
+}
 
 // Along Morton's curve, so that what is near in space is near in memory: the bits of x, y and z in turn.
 std::vector<uint32_t> order_along_curve(const std::vector<Vec3>& vertices) {
@@ -331,8 +399,7 @@ AveragedPoints average_points(const Scan& scan, double spacing_mm) {
       spacing_mm > 0 ? spacing_mm : std::sqrt(10 * typical_sigma * std::min(s, 10 * typical_sigma));
 
   result.point_vertex.resize(scan.size());
-  result.vertices.reserve(scan.size());
-  Averager(scan, sigma, std::max(spacing, 1e-9), result).run(order);
+  average(scan, sigma, std::max(spacing, 1e-9), order, result);
   sort_and_unite(result);
   return result;
 }

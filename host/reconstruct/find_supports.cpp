@@ -24,12 +24,6 @@ struct Facet {
   }
 };
 
-double cell_volume_mm3(const Tetrahedra& tetrahedra, const Cell& cell) {
-  const Vec3& a = tetrahedra.vertices[cell.vertex[0]];
-  const auto edge = [&](size_t k) { return Vec3(tetrahedra.vertices[cell.vertex[k]] - a); };
-  return edge(1).cross(edge(2)).dot(edge(3)) / 6;
-}
-
 bool is_measured(const Facet& facet, const Cell& cell, size_t i, const AveragedPoints& averaged) {
   constexpr double kGrazing = 0.05;  // sine of about 3 degrees, as where surface counts as touched
   const double spacing = averaged.vertex_spacing_mm;
@@ -44,28 +38,18 @@ std::vector<Vec3> find_supports(const Tetrahedra& tetrahedra, const std::vector<
                                 const Visibility& visibility, const AveragedPoints& averaged) {
   std::vector<Vec3> supports;
   const double spacing = averaged.vertex_spacing_mm;
-  size_t triangles = 0;
-  double behind_mm3 = 0, hull_mm3 = 0;
   for (uint32_t c = 0; c < tetrahedra.cells.size(); ++c) {
     const Cell& cell = tetrahedra.cells[c];
-    if (cell.is_infinite()) continue;
-    const double volume_mm3 = cell_volume_mm3(tetrahedra, cell);
-    hull_mm3 += volume_mm3;
-    if (!air[c]) continue;
+    if (!air[c] || cell.is_infinite()) continue;
     for (size_t i = 0; i < 4; ++i) {
       if (!air[cell.neighbour[i]] || visibility.cells[c].entered_through[i] >= kOneRay) continue;
       const Facet facet(tetrahedra, cell, i);
       const double depth = facet.inwards.dot(tetrahedra.vertices[cell.vertex[i]] - facet.corner[0]);
       if (!(depth > 2 * spacing) || !is_measured(facet, cell, i, averaged)) continue;
-      ++triangles;
-      behind_mm3 += volume_mm3;
       const Vec3 middle = (facet.corner[0] + facet.corner[1] + facet.corner[2]) / 3;
       for (double d = spacing; 2 * d < depth; d *= 2) supports.push_back(middle + d * facet.inwards);
     }
   }
-  constexpr size_t kOfAFace = 6;      // as the least vertices of a region that may become a face
-  constexpr double kOfVolume = 1e-5;  // a hundredth of what the volume is good to
-  if (triangles < kOfAFace && behind_mm3 < kOfVolume * hull_mm3) return {};
   return supports;
 }
 

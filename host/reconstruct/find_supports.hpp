@@ -18,8 +18,7 @@ namespace tetragauge {
 // behind it is deeper than two spacings: points one, two, four ... spacings behind the triangle's middle, up
 // to half that depth. Measured: its corners were seen from its front, and it is neither longer than three
 // spacings (such ones close the mouths of slots) nor narrower than a quarter (such ones stand on edge in the
-// noise). In order of the tetrahedra; mm. None if the triangles are too few to be a face and the tetrahedra
-// behind them too small to show in the volume: another cut of millions of tetrahedra would change nothing.
+// noise). In order of the tetrahedra; mm.
 std::vector<Vec3> find_supports(const Tetrahedra& tetrahedra, const std::vector<uint8_t>& air,
                                 const Visibility& visibility, const AveragedPoints& averaged);
 
