@@ -15,6 +15,7 @@
 #include "host/faces/surface_graph.hpp"
 #include "host/faces/unite_patches.hpp"
 #include "host/reconstruct/average_points.hpp"
+#include "host/scan/pick_points.hpp"
 
 namespace tetragauge {
 namespace {
@@ -110,20 +111,6 @@ Result<Regions> cluster(const Reconstruction& reconstruction, const FindFacesOpt
   }
   result.coplanar_clusters = clusters.count;
   return regions_of_clusters(reconstruction, elements, clusters);
-}
-
-Scan reordered(const Scan& scan, const std::vector<uint32_t>& order) {
-  Scan result;
-  result.header = scan.header;
-  for (const uint32_t i : order) {
-    result.points.push_back(scan.points[i]);
-    result.ray_origins.push_back(scan.ray_origins[i]);
-    result.sigma_mm.push_back(scan.sigma_mm[i]);
-    result.intensity.push_back(scan.intensity[i]);
-    result.view.push_back(scan.view[i]);
-    result.flags.push_back(scan.flags[i]);
-  }
-  return result;
 }
 
 // Two planes at a small angle may have grown far enough into what was taken for a piece of a curve to show
@@ -231,7 +218,7 @@ Result<MeasuredFaces> find_faces(const Scan& scan, const Reconstruction& reconst
   if (std::is_sorted(order.begin(), order.end())) return find_in_order(scan, reconstruction, options);
   Reconstruction sorted = reconstruction;
   for (size_t k = 0; k < order.size(); ++k) sorted.point_vertex[k] = reconstruction.point_vertex[order[k]];
-  Result<MeasuredFaces> found = find_in_order(reordered(scan, order), sorted, options);
+  Result<MeasuredFaces> found = find_in_order(pick_points(scan, order), sorted, options);
   if (!found) return found;
   for (std::vector<uint32_t>& points : found->face_points) {
     for (uint32_t& point : points) point = order[point];

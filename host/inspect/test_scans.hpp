@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "host/inspect/inspect.hpp"
+#include "host/scan/pick_points.hpp"
 #include "host/simulate/simulate.hpp"
 
 namespace tetragauge::test {
@@ -106,18 +107,11 @@ inline const FaceInspection& result(const InspectionRun& run, int id) {
 // The points of a scan that `keep(i)` says.
 template <class Keep>
 Scan points_of(const Scan& whole, const Keep& keep) {
-  Scan scan;
-  scan.header = whole.header;
-  for (size_t i = 0; i < whole.size(); ++i) {
-    if (!keep(i)) continue;
-    scan.points.push_back(whole.points[i]);
-    scan.ray_origins.push_back(whole.ray_origins[i]);
-    scan.sigma_mm.push_back(whole.sigma_mm[i]);
-    scan.intensity.push_back(whole.intensity[i]);
-    scan.view.push_back(whole.view[i]);
-    scan.flags.push_back(whole.flags[i]);
+  std::vector<uint32_t> kept;
+  for (uint32_t i = 0; i < whole.size(); ++i) {
+    if (keep(i)) kept.push_back(i);
   }
-  return scan;
+  return pick_points(whole, kept);
 }
 
 }  // namespace tetragauge::test

@@ -7,11 +7,13 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <random>
 #include <vector>
 
 #include "host/geometry/rigid_transform.hpp"
+#include "host/scan/pick_points.hpp"
 #include "host/scan/scan.hpp"
 
 namespace tetragauge::synthetic {
@@ -158,20 +160,10 @@ inline Scan scan_part(const Part& part, const ScanPlan& plan, const RigidTransfo
 // The same points in another order.
 inline Scan shuffled(const Scan& scan, uint64_t seed) {
   std::mt19937_64 random(seed);
-  std::vector<size_t> order(scan.size());
-  for (size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::vector<uint32_t> order(scan.size());
+  std::iota(order.begin(), order.end(), 0u);
   for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
-  Scan result;
-  result.header = scan.header;
-  for (size_t i : order) {
-    result.points.push_back(scan.points[i]);
-    result.ray_origins.push_back(scan.ray_origins[i]);
-    result.sigma_mm.push_back(scan.sigma_mm[i]);
-    result.intensity.push_back(scan.intensity[i]);
-    result.view.push_back(scan.view[i]);
-    result.flags.push_back(scan.flags[i]);
-  }
-  return result;
+  return pick_points(scan, order);
 }
 
 }  // namespace tetragauge::synthetic
