@@ -15,11 +15,26 @@ namespace tetragauge::cli {
 
 const char* const kVersion = "tetragauge " TETRAGAUGE_VERSION;
 
+void Console::begin_stage(const std::string& words) const {
+  end_stage();
+  if (quiet || ::isatty(STDERR_FILENO) == 0) return;
+  const std::string text = words + " ...";
+  std::fputs(text.c_str(), stderr);
+  *stage_length_ = text.size();
+}
+
+void Console::end_stage() const {
+  if (*stage_length_ > 0) std::fprintf(stderr, "\r%s\r", std::string(*stage_length_, ' ').c_str());
+  *stage_length_ = 0;
+}
+
 void Console::say(const std::string& line) const {
+  end_stage();
   if (!quiet) std::fprintf(stderr, "%s\n", line.c_str());
 }
 
 void Console::print(const std::string& text) const {
+  end_stage();
   if (json != "-" && !keeps_stdout) std::fwrite(text.data(), 1, text.size(), stdout);
 }
 

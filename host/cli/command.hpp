@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -20,10 +21,16 @@ struct Console {
 
   // Progress and log, one line on stderr; nothing with --quiet.
   void say(const std::string& line) const;
+  // What is being done now: stands on the terminal until the next stage, line or result; nothing elsewhere.
+  void begin_stage(const std::string& words) const;
+  void end_stage() const;
   // Text a person reads on stdout; nothing when stdout carries the JSON. main() sees whether it got there.
   void print(const std::string& text) const;
   // Writes `value` where --json asked for it, whole.
   Status put_json(const nlohmann::ordered_json& value) const;
+
+ private:
+  std::shared_ptr<size_t> stage_length_ = std::make_shared<size_t>(0);  // of the text that stands there
 };
 
 // Standard descriptors that came closed are taken, so that no file or socket opened later gets their numbers

@@ -81,6 +81,7 @@ Result<Scan> InputOptions::read_scan(const Console& console, const std::string& 
     options.ray_direction = *direction;
   }
   if (sigma_mm > 0) options.sigma_mm = sigma_mm;
+  console.begin_stage("reading " + path);
   Result<Scan> read = tetragauge::read_scan(path, options);
   if (read) console.say(path + ": " + std::to_string(read->size()) + " points");
   return read;
@@ -99,6 +100,7 @@ Result<Solid> InputOptions::read_model(const Console& console) const {
     if (!scale) return scale.error();
     options.unit_scale_mm = *scale;
   }
+  console.begin_stage("reading " + model);
   Result<Solid> read = read_solid(model, options);
   if (read) {
     for (const std::string& warning : read->warnings) console.say("warning: " + warning);

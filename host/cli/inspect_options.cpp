@@ -59,7 +59,9 @@ Result<Tolerances> InspectArguments::read_limits(const Solid& model) const {
 Result<int> InspectArguments::run(const Console& console, std::span<const Scan> scans,
                                   const std::vector<std::string>& scan_paths, const Solid& model,
                                   const std::string& model_path, const Tolerances& limits) const {
-  Result<InspectionRun> inspection = tetragauge::inspect(scans, model, limits, inspect);
+  InspectOptions options = inspect;
+  options.on_stage = [&](const std::string& words) { console.begin_stage(words); };
+  Result<InspectionRun> inspection = tetragauge::inspect(scans, model, limits, options);
   if (!inspection) return inspection.error();
   return report(console, *inspection, scans, scan_paths, model, model_path, limits);
 }
@@ -78,6 +80,7 @@ Result<int> InspectArguments::report(const Console& console, const InspectionRun
     if (!sha) return sha.error();
     file->sha256 = *sha;
   }
+  console.begin_stage("writing the report");
   if (Status status = write_report(out, report); !status) return status.error();
   if (on_report)
     if (Status status = on_report(report); !status) return status.error();

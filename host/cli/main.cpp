@@ -69,6 +69,7 @@ int main(int argc, char** argv) {
                                                     static_cast<size_t>(console.threads));
     }
     const Result<int> code = run();
+    console.end_stage();
     return code ? succeed(*code) : fail(code.error());
   } catch (const std::exception& error) {
     return fail(

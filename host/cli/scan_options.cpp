@@ -159,6 +159,7 @@ Status ScanArguments::in_session(const Console& console, const SessionWork& work
 
 Status ScanArguments::work_on_machine(const Console& console, const SessionWork& work) {
   StopOnSignal stop_on_signal;
+  console.begin_stage(machine.port.empty() ? "starting the emulated machine" : "connecting to the machine");
   Result<OpenMachine> opened = machine.open();
   if (!opened) return opened.error();
   Link& link = *opened->link;
@@ -176,7 +177,14 @@ Status ScanArguments::work_on_machine(const Console& console, const SessionWork&
     progress_line.end();
     console.say(line);
   };
-  options.on_progress = [&](const ScanProgress& progress) { progress_line.show(progress); };
+  options.on_progress = [&](const ScanProgress& progress) {
+    console.end_stage();
+    progress_line.show(progress);
+  };
+  options.on_stage = [&](const std::string& words) {
+    progress_line.end();
+    console.begin_stage(words);
+  };
   const Status done = work(link, options);
   progress_line.end();
   return done ? done : Status(opened->explain(done.error()));

@@ -28,20 +28,24 @@ Result<InspectionRun> inspect(std::span<const Scan> scans, const Solid& model, c
   InspectionRun run;
   Inspection& out = run.inspection;
   const RayCaster caster(model);
+  const auto begin = [&](const char* stage, const char* in_words) {
+    out.timing.begin(stage);
+    if (options.on_stage) options.on_stage(in_words);
+  };
 
   for (const Scan& scan : scans) {
     // 5. The surface between solid and air.
-    out.timing.begin("reconstruct");
+    begin("reconstruct", "reconstructing the surface");
     Result<Reconstruction> reconstruction = reconstruct(scan, options.reconstruct);
     if (!reconstruction) return of_scan(run.set_ups.size(), scans, reconstruction.error());
 
     // 6. The part's real faces, each fitted to all its raw points.
-    out.timing.begin("faces");
+    begin("faces", "finding the faces");
     Result<MeasuredFaces> measured = find_faces(scan, *reconstruction, options.faces);
     if (!measured) return of_scan(run.set_ups.size(), scans, measured.error());
 
     // 7. Where the part lies: measured faces against the model's, with no initial pose.
-    out.timing.begin("match");
+    begin("match", "matching them with the model");
     Result<Match> match = match_scan(model, caster, scan, *measured, options.match);
     if (!match) return of_scan(run.set_ups.size(), scans, match.error());
 
@@ -49,7 +53,7 @@ Result<InspectionRun> inspect(std::span<const Scan> scans, const Solid& model, c
   }
 
   // 8. All scans in the model's frame: each face's deviations with their uncertainty ...
-  out.timing.begin("inspect");
+  begin("inspect", "inspecting the faces");
   const std::vector<FaceOutline> outlines = face_outlines(model);
   JoinedScan joined = join_set_ups(scans, model, caster, run.set_ups);
   PartPose pose = best_fit(run.set_ups);

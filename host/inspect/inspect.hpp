@@ -2,6 +2,7 @@
 // Steps 5 to 8 of the way of one point (DESIGN section 1): scan and model in, verdict out.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -35,6 +36,7 @@ struct InspectOptions {
   ReconstructOptions reconstruct;
   FindFacesOptions faces;
   MatchOptions match;
+  std::function<void(const std::string&)> on_stage{};  // what begins, in words
 };
 
 // One scan of the part as it stood, on its own.

@@ -40,7 +40,7 @@ DoubtRays rays_at_doubts(const PlanningMachine& machine, const RayCaster& caster
 // points can decide.
 struct FaceLooks {
   ScanPlan views;
-  std::vector<int> uncovered, undecided;  // ids of the faces they are for
+  std::vector<int> uncovered, undecided;  // ids of the faces they are for; datums of undecided ones too
 };
 struct FaceLooksInput {
   const PlanningMachine& machine;

@@ -79,6 +79,7 @@ class Improver {
   }
 
   void look_for_doubts() {
+    if (scan_options_.on_stage) scan_options_.on_stage("looking for what is in doubt");
     const SetUp& set_up = part_.run.set_ups.front();
     T_part_model_ = set_up.match.T_model_part.inverse();
     rays_ = rays_at_doubts(machine_, caster_, T_part_model_, set_up.reconstruction, max_incidence_rad(),

@@ -7,6 +7,7 @@
 
 #include "host/inspect/point_grid.hpp"
 #include "host/measure/doubts.hpp"
+#include "host/measure/points_to_decide.hpp"
 #include "host/plan/order_views.hpp"
 
 namespace tetragauge {
@@ -16,34 +17,19 @@ namespace {
 constexpr double kWorthwhileShare = 0.05;
 // Beams one pitch apart lie up to this many pitches apart on a face at 65 degrees.
 constexpr double kCoveredPitches = 2.5;
-// More than so many times the points is not worth the time, and finer than the spot not worth having.
-constexpr double kLeastTimesPoints = 3, kMostTimesPoints = 20;
-// U squared must be so much larger than what more points leave of it.
-constexpr double kOwnShare = 1.3;
+// Finer than the spot is not worth having.
 constexpr double kFinestUseful_mm = 0.1;
 // What two looks did not show, a third will not.
 constexpr int kMostLooks = 2;
 
 bool is_wanted(const FaceLooksInput& in, const Face& face) {
+  // Nothing held against a datum is decided without it.
+  const std::vector<Datum>& datums = in.tolerances.datums;
+  const bool is_datum =
+      std::any_of(datums.begin(), datums.end(), [&](const Datum& datum) { return datum.face == face.id; });
+  if (is_datum) return true;
   if (in.tolerances.skip.contains(face.id)) return false;
   return !in.tolerances.given || has_tolerance(in.tolerances.of(face));
-}
-
-// By what the points must be multiplied to decide the face; nothing when more of them would not help.
-std::optional<double> times_points_to_decide(const FaceInspection& face, double u_cal_mm) {
-  if (face.verdict != Verdict::undecided || !face.decided_by) return std::nullopt;
-  const Criterion& criterion = *face.decided_by;
-  if (criterion.is_angle() || !criterion.datum.empty()) return std::nullopt;  // rests on other faces too
-  // What ever more points leave of U: the machine's and the pose's share, which an offset has alone.
-  const double of_offset = 0.25 * face.U_offset_mm * face.U_offset_mm -
-                           face.u_offset_own_mm * face.u_offset_own_mm + u_cal_mm * u_cal_mm;
-  const double floor = 4 * std::max(0.0, of_offset), now = criterion.U * criterion.U;
-  if (now < kOwnShare * floor) return std::nullopt;
-  // The deviation that is so near its limit is itself mostly noise: it moves too, and need not be where it
-  // is.
-  const double distance = std::abs(std::abs(criterion.deviation) - criterion.limit);
-  const double wanted = std::max(distance * distance, kOwnShare * floor);
-  return std::clamp((now - floor) / std::max(1e-12, wanted - floor), kLeastTimesPoints, kMostTimesPoints);
 }
 
 class Looker {
@@ -127,26 +113,25 @@ ScanPlan ordered(const PlanningMachine& machine, const std::vector<PlannedView>&
 
 FaceLooks looks_at_faces(const FaceLooksInput& in, const MachineStance& stance) {
   const Looker looker(in);
+  const std::map<int, double> times = points_to_decide(in.inspection, in.model, in.tolerances, in.u_cal_mm);
   FaceLooks out;
   std::vector<PlannedView> all;
   for (size_t f = 0; f < in.model.faces().size(); ++f) {
     const Face& face = in.model.faces()[f];
     const FaceInspection& found = in.inspection.faces[f];
-    // What rays prove absent, or out of tolerance, is no doubt.
     const std::vector<int>& missing = in.inspection.missing_faces;
-    if (!is_wanted(in, face) || found.verdict == Verdict::fail ||
-        std::find(missing.begin(), missing.end(), face.id) != missing.end()) {
-      continue;
-    }
+    if (std::find(missing.begin(), missing.end(), face.id) != missing.end()) continue;
     if (in.looked_at.contains(face.id) && in.looked_at.at(face.id) >= kMostLooks) continue;
-    if (const auto times = times_points_to_decide(found, in.u_cal_mm)) {
-      const auto views =
-          looker.look(looker.patches_of(f, false), face.area_mm2, 0, in.options.pitch_mm / std::sqrt(*times));
+    if (const auto more = times.find(face.id); more != times.end()) {
+      const double pitch_mm = in.options.pitch_mm / std::sqrt(more->second);
+      const auto views = looker.look(looker.patches_of(f, false), face.area_mm2, 0, pitch_mm);
       if (views.empty()) continue;
       all.insert(all.end(), views.begin(), views.end());
       out.undecided.push_back(face.id);
       continue;
     }
+    // What is out of tolerance is no doubt.
+    if (!is_wanted(in, face) || found.verdict == Verdict::fail) continue;
     const double least_share = found.measured ? kWorthwhileShare : 0;
     const auto views =
         looker.look(looker.patches_of(f, true), face.area_mm2, least_share, in.options.pitch_mm);

@@ -12,11 +12,16 @@ namespace {
 Result<MeasuredScan> first_scan(Link& link, const PlanningMachine& machine, const Solid& model,
                                 const RayCaster& caster, const MeasureOptions& options,
                                 const ScanOptions& scan, MeasuringStory& story) {
+  const auto say_measuring = [&] {
+    if (scan.on_stage) scan.on_stage(kMeasuring);
+  };
   if (scan.journal && scan.journal->plan()) {
+    say_measuring();
     story.plan = "that of the interrupted scan, gone on with";
     return resume_scan(link, scan);
   }
   if (options.plan) {
+    say_measuring();
     story.plan = "as given";
     return run_scan(link, *options.plan, scan);
   }
@@ -25,6 +30,7 @@ Result<MeasuredScan> first_scan(Link& link, const PlanningMachine& machine, cons
   if (!found) return found.error();
   story.plan = found->how;
   if (scan.log) scan.log("plan: " + found->how);
+  say_measuring();
   return run_scan(link, found->scan, scan);
 }
 
@@ -35,6 +41,9 @@ Result<PartMeasurement> measure_part(Link& link, const Solid& model, const Toler
   const auto machine = read_machine(link);
   if (!machine) return machine.error();
   const RayCaster caster(model);
+  ImproveOptions improve = options.improve;
+  improve.inspect.on_stage = scan.on_stage;
+  improve.inspect.reconstruct.keep_tetrahedra = improve.rounds > 0;
   PartMeasurement out;
   auto first = first_scan(link, *machine, model, caster, options, scan, out.story);
   if (!first) return first.error();
@@ -42,8 +51,6 @@ Result<PartMeasurement> measure_part(Link& link, const Solid& model, const Toler
     if (const Status kept = options.keep_scan(first->scan, first->counts); !kept) return kept.error();
   }
 
-  ImproveOptions improve = options.improve;
-  improve.inspect.reconstruct.keep_tetrahedra = improve.rounds > 0;
   Result<InspectionRun> run = inspect(first->scan, model, tolerances, improve.inspect);
   if (!run) return run.error();
   PartInProgress part{std::move(first->scan), first->counts, 0, std::move(*run)};

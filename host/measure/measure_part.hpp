@@ -10,6 +10,9 @@
 
 namespace tetragauge {
 
+// ScanOptions::on_stage gets this while the machine measures; the other stages are the host's own.
+inline constexpr const char* kMeasuring = "measuring";
+
 struct MeasureOptions {
   std::optional<ScanPlan> plan;  // the first scan's; without one a coarse scan finds the pose for it
   ImproveOptions improve;

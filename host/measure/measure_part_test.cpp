@@ -104,6 +104,41 @@ TEST(MeasurePart, KeepsToItsBudget) {
   EXPECT_EQ(part->story.end, "the time budget is used up");
 }
 
+const FaceInspection& face_of(const PartMeasurement& part, int id) {
+  return part.run.inspection.faces[static_cast<size_t>(id) - 1];
+}
+
+// Orientation rests on the datum's points as much as on the face's own: both get more.
+TEST(MeasurePart, GoesBackToAFaceUndecidedAgainstItsDatum) {
+  int datum = 0, wall = 0;
+  Tolerances tolerances;
+  tolerances.given = true;
+  const auto measure = [&](double angularity_mrad, int rounds) {
+    const Bench bench = bench_of(kPart);
+    for (const Face& face : bench.model.faces()) {
+      if ((face.normal - Vec3(0, -1, 0)).norm() < 1e-9 && std::abs(face.d_mm) < 1e-9) datum = face.id;
+      if ((face.normal - Vec3(-1, 0, 0)).norm() < 1e-9 && std::abs(face.d_mm) < 1e-9) wall = face.id;
+    }
+    tolerances.datums = {{"A", datum, Vec3(0, -1, 0)}};
+    tolerances.by_face[wall].angularity_mrad = DatumTolerance{angularity_mrad, "A"};
+    auto part = measure_part(*bench.session.link, bench.model, tolerances, quick(rounds));
+    EXPECT_TRUE(part) << part.error().message;
+    return std::move(*part);
+  };
+  const PartMeasurement coarse = measure(1e3, 0);
+  const Criterion before = face_of(coarse, wall).decided_by.value();
+  ASSERT_EQ(before.name, "angularity");
+  // A limit that this U cannot decide, whatever the angle is.
+  const PartMeasurement fine = measure(0.9 * before.U, 1);
+  ASSERT_EQ(fine.story.rounds.size(), 1u);
+  EXPECT_EQ(fine.story.rounds[0].before.undecided, 1u);
+  EXPECT_GT(fine.story.rounds[0].views, 0u);
+  // At least three times the points for both.
+  EXPECT_LE(face_of(fine, wall).decided_by.value().U, before.U / std::sqrt(2.5));
+  for (const int id : {wall, datum})
+    EXPECT_GE(face_of(fine, id).points_used, 2 * face_of(coarse, id).points_used) << id;
+}
+
 // The cable is pulled when the first scan is whole.
 TEST(MeasurePart, ARoundThatBreaksOffLosesNothingElse) {
   const Bench bench = bench_of(kPart);

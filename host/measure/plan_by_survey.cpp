@@ -29,7 +29,9 @@ RigidTransform moved_along(const FreeDirection& free, double by) {
   return {turn, free.point_mm - turn * free.point_mm};
 }
 
-Pose find_pose(const Scan& scan, const Solid& model, const RayCaster& caster, const InspectOptions& options) {
+Pose find_pose(const Scan& scan, const Solid& model, const RayCaster& caster, const InspectOptions& options,
+               const ScanOptions& session) {
+  if (session.on_stage) session.on_stage("finding the part's pose");
   const Result<Reconstruction> reconstruction = reconstruct(scan, options.reconstruct);
   if (!reconstruction) return {false, {}, reconstruction.error().message};
   const Result<MeasuredFaces> faces = find_faces(scan, *reconstruction, options.faces);
@@ -77,7 +79,7 @@ Result<SurveyedPlan> plan_by_survey(Link& link, const PlanningMachine& machine, 
   const auto survey = survey_volume(link, scan);
   if (!survey) return survey.error();
   out.machine_s = survey->counts.machine_time_s;
-  Pose pose = find_pose(survey->scan, model, caster, inspect);
+  Pose pose = find_pose(survey->scan, model, caster, inspect, scan);
   if (!pose.is_known) {
     if (scan.log) scan.log("the survey does not say how the part stands: a second, finer one");
     ScanOptions quick = scan;
@@ -87,13 +89,14 @@ Result<SurveyedPlan> plan_by_survey(Link& link, const PlanningMachine& machine, 
         link, plan_around(machine.head, survey->scan.points, {kSecondPitch_mm, kSecondSamples}), quick);
     if (!second) return second.error();
     out.machine_s += second->counts.machine_time_s;
-    pose = find_pose(second->scan, model, caster, inspect);
+    pose = find_pose(second->scan, model, caster, inspect, scan);
   }
   if (pose.is_known) {
     MachineStance stance = homed_stance(machine);
     const auto status = link.status();
     if (!status) return status.error();
     go_to(machine, {1e-6 * status->table_udeg, 1e-3 * status->slide_um}, stance);
+    if (scan.on_stage) scan.on_stage("planning the views");
     const auto plan = plan_part(machine, model, caster, pose.T_part_model, options, stance);
     if (plan) {
       out.scan = plan->scan;

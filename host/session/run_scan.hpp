@@ -52,6 +52,7 @@ struct ScanOptions {
   const std::atomic<bool>* stop = nullptr;                 // set (Ctrl-C): abort
   std::function<void(const ScanProgress&)> on_progress{};  // after each batch
   std::function<void(const std::string&)> log{};           // what the session does, one line each
+  std::function<void(const std::string&)> on_stage{};      // what the host begins between scans, in words
   // Keeps the plan and every stream item before the machine may forget it (scan_journal.hpp).
   ScanJournal* journal = nullptr;
 };
