@@ -18,8 +18,15 @@ namespace {
   std::exit(1);
 }
 
-// A folder of this program's own, removed at its end.
-const std::filesystem::path& folder() {
+std::filesystem::path file_of(const std::string& csg) {
+  const std::filesystem::path path = work_folder() / "part.csg";
+  std::ofstream(path, std::ios::binary) << csg;
+  return path;
+}
+
+}  // namespace
+
+const std::filesystem::path& work_folder() {
   struct Folder {
     std::filesystem::path path =
         std::filesystem::temp_directory_path() / ("tetragauge-bench-" + std::to_string(::getpid()));
@@ -29,14 +36,6 @@ const std::filesystem::path& folder() {
   static const Folder folder;
   return folder.path;
 }
-
-std::filesystem::path file_of(const std::string& csg) {
-  const std::filesystem::path path = folder() / "part.csg";
-  std::ofstream(path, std::ios::binary) << csg;
-  return path;
-}
-
-}  // namespace
 
 BenchMachine start_machine(const BenchSetup& setup) {
   EmulatedMachineOptions options;
@@ -89,6 +88,9 @@ int main(int argc, char** argv) {
       add("measure", "Good and bad parts by many seeds: verdicts, equal reports, faults of the line",
           bench_measure);
   measure->add_option("--seeds", options.seeds, "Seeds of every part")->capture_default_str();
+  CLI::App* time = add("time", "How long the host itself works on a main job, by stage", bench_time);
+  time->add_option("--pitch", options.pitch_mm, "Spacing of the beams, mm")->capture_default_str();
+  time->add_option("--rounds", options.rounds, "Most rounds of re-measurement")->capture_default_str();
   std::string out;
   CLI::App* parts = app.add_subcommand("parts", "Writes the parts, good and bad, into a folder");
   parts->add_option("--out", out, "The folder")->required()->type_name("DIR");

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Benchmarks of the main job on the emulated machine: `plan`, `rounds`, `measure`.
+// Benchmarks of the main job on the emulated machine: `plan`, `rounds`, `measure`, `time`.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,7 +16,8 @@ namespace tetragauge::bench {
 struct BenchOptions {
   std::vector<std::string> parts;  // names; empty: all that the benchmark is about
   size_t points = 100;
-  int seeds = 20;
+  int seeds = 20, rounds = ImproveOptions{}.rounds;
+  double pitch_mm = 1;
 };
 
 // An emulated machine with a part on it.
@@ -29,6 +31,8 @@ struct BenchSetup {
 };
 // Ends the program with the error's words when it does not start: nothing can be measured then.
 BenchMachine start_machine(const BenchSetup& setup);
+// A folder of this program's own, removed at its end.
+const std::filesystem::path& work_folder();
 Solid solid_of(const std::string& csg);
 bool is_chosen(const BenchOptions& options, const MachinePart& part);
 
@@ -36,5 +40,6 @@ bool is_chosen(const BenchOptions& options, const MachinePart& part);
 int bench_plan(const BenchOptions& options);
 int bench_rounds(const BenchOptions& options);
 int bench_measure(const BenchOptions& options);
+int bench_time(const BenchOptions& options);
 
 }  // namespace tetragauge::bench
