@@ -10,6 +10,7 @@
 #include "host/cli/inspect_options.hpp"
 #include "host/cli/plan_options.hpp"
 #include "host/cli/scan_options.hpp"
+#include "host/cli/unfinished_batch.hpp"
 #include "host/history/history_file.hpp"
 #include "host/history/summary.hpp"
 #include "host/measure/measure_part.hpp"
@@ -56,7 +57,11 @@ struct MeasureArguments {
         "A folder of parts, or --port with --history, is a batch: each part's report goes to DIR/PART, a "
         "table "
         "of\nthem ends it, and a part that cannot be measured does not lose the others. Emulated parts have "
-        "the seeds\n--seed, --seed + 1, ... The exit code is the worst: 70, 4, 3, 2, 1, 5, 0.");
+        "the seeds\n--seed, --seed + 1, ... The exit code is the worst: 70, 4, 3, 2, 1, 5, 0. A folder's "
+        "batch "
+        "that was broken off is gone\non with by the same command with --resume: finished parts are kept, "
+        "the "
+        "broken one is measured from its beginning.");
   }
 
   bool is_folder() const {
@@ -131,7 +136,7 @@ Result<int> measure_one(const Console& console, MeasureArguments& arguments, con
   if (!code || !part->interruption) return code;
   Error error = *part->interruption;
   error.message += "\nre-measuring was broken off; the report in " + arguments.inspect.out +
-                   " is judged from what was measured before";
+                   " is judged from what was measured before; measure the part anew to have all its rounds";
   return error;
 }
 
@@ -187,6 +192,20 @@ class PartKeeper {
     record.reason = why;
     return add(std::move(record));
   }
+  // A part that an earlier run has finished, as the file has it.
+  Status recall(const std::string& name, int64_t number) {
+    Result<std::vector<PartRecord>> kept = file_->parts();
+    if (!kept) return kept.error();
+    for (PartRecord& record : *kept) {
+      if (record.number != number || record.part != name) continue;
+      parts_.push_back(std::move(record));
+      return Done{};
+    }
+    return bad_input(name +
+                     ": the batch has finished it, but it is not in this history; name the --history " +
+                     "that the batch was begun with");
+  }
+  const PartRecord& common() const { return common_; }
   // The file's parts of this model.
   Result<std::vector<ModelHistory>> history() {
     if (!file_) return std::vector<ModelHistory>{};
@@ -233,14 +252,20 @@ int worse_code(int a, int b) {
   return rank(a) < rank(b) ? b : a;
 }
 
-// The part as a row, whatever came of it; its exit code. Errors: the row could not be kept.
+bool is_stopped_report(const Report& report) {
+  return ScanArguments::was_stopped() && report.story && !report.story->interruption.empty();
+}
+
+// The part as a row, whatever came of it; its exit code. A part that was stopped is no row yet when the batch
+// can be gone on with. Errors: the row could not be kept.
 Result<int> measure_for_batch(const Console& console, MeasureArguments& arguments, const Nominal& nominal,
-                              const BatchPart& part, PartKeeper& keeper) {
+                              const BatchPart& part, PartKeeper& keeper, bool can_be_resumed) {
   arguments.inspect.out = part.folder.string();
   arguments.scan.part_serial = part.name;
   bool is_kept = false;
   std::optional<Error> lost;
   arguments.inspect.on_report = [&](const Report& report) -> Status {
+    if (can_be_resumed && is_stopped_report(report)) return Done{};
     Status kept = keeper.add_measured(part.name, report);
     is_kept = true;
     if (!kept) lost = kept.error();
@@ -263,7 +288,7 @@ Result<int> measure_for_batch(const Console& console, MeasureArguments& argument
   console.say(part.name + ": " + why);
   std::error_code ignored;
   std::filesystem::remove(journal_of(scan_file(arguments)), ignored);
-  if (!is_kept) {
+  if (!is_kept && !(can_be_resumed && ScanArguments::was_stopped())) {
     const std::optional<uint64_t> seed =
         is_emulated ? std::optional(arguments.scan.machine.emulated.seed) : std::nullopt;
     if (Status kept = keeper.add_unmeasured(part.name, seed, why); !kept) return kept.error();
@@ -271,10 +296,20 @@ Result<int> measure_for_batch(const Console& console, MeasureArguments& argument
   return static_cast<int>(code.error().kind);
 }
 
+// What must be the same when a batch is gone on with.
+nlohmann::ordered_json order_of(const MeasureArguments& arguments, const PartRecord& common) {
+  return {{"--model", common.model_sha256}, {"--tolerances", common.tolerances_sha256},
+          {"--plan", common.plan_sha256},   {"--seed", arguments.scan.machine.emulated.seed},
+          {"--rounds", arguments.rounds},   {"--budget", arguments.budget_s}};
+}
+
 // One part after the other. The worst of their exit codes.
 Result<int> measure_batch(const Console& console, MeasureArguments& arguments) {
-  if (arguments.scan.resume)
-    return usage_error("--resume goes on with one part, not with a batch; measure the part anew");
+  const bool resumes = arguments.scan.resume;
+  if (resumes && (!arguments.is_folder() || arguments.history.empty()))
+    return usage_error(
+        "--resume goes on with a batch of a folder that has a --history; at a machine measure the part anew");
+  arguments.scan.resume = false;  // no part of it is gone on with
   const bool asks = !arguments.is_folder() && ::isatty(STDIN_FILENO) != 0;
   if (!arguments.scan.part_serial.empty() && (arguments.is_folder() || asks))
     return usage_error("--part-serial is for one part; in a batch each part has its own");
@@ -296,6 +331,14 @@ Result<int> measure_batch(const Console& console, MeasureArguments& arguments) {
     const std::string& serial = arguments.scan.part_serial;
     parts.push_back(part_named(serial.empty() ? std::to_string(keeper->next_number()) : serial, out));
   }
+  std::optional<UnfinishedBatch> batch;
+  if (arguments.is_folder() && !arguments.history.empty()) {
+    const nlohmann::ordered_json order = order_of(arguments, keeper->common());
+    Result<UnfinishedBatch> opened =
+        resumes ? UnfinishedBatch::reopen(out, order) : UnfinishedBatch::begin(out, order);
+    if (!opened) return opened.error();
+    batch = std::move(*opened);
+  }
   Console of_part = console;  // its JSON and its text are in its report
   of_part.json.clear();
   of_part.keeps_stdout = true;
@@ -304,18 +347,42 @@ Result<int> measure_batch(const Console& console, MeasureArguments& arguments) {
   for (size_t k = 0; asks || k < parts.size(); ++k) {
     std::optional<BatchPart> part = asks ? ask_for_part(keeper->next_number(), out) : parts[k];
     if (!part) break;
+    if (resumes) {
+      if (const auto done = batch->finished().find(part->name); done != batch->finished().end()) {
+        if (Status known = keeper->recall(part->name, done->second.number); !known) return known.error();
+        worst = worse_code(worst, done->second.exit_code);
+        console.say(part->name + ": measured before, kept");
+        continue;
+      }
+      if (part->name == batch->broken_off()) {
+        console.say(part->name + ": was broken off, measured from its beginning");
+        std::filesystem::remove(journal_of(part->folder / kScanFile), ignored);
+      }
+    }
     // Equal seeds would give all parts the same noise, and a spread that is too small.
     arguments.scan.machine.emulated.seed = seed + k;
     arguments.scan.machine.emulated.part = part->model;
     if (parts.size() > 1)
       console.say("part " + std::to_string(k + 1) + " of " + std::to_string(parts.size()) + ": " +
                   part->name);
-    Result<int> code = measure_for_batch(of_part, arguments, *nominal, *part, *keeper);
+    if (batch)
+      if (Status begun = batch->begin_part(part->name); !begun) return begun.error();
+    Result<int> code = measure_for_batch(of_part, arguments, *nominal, *part, *keeper, batch.has_value());
     if (!code) return code;
     worst = worse_code(worst, *code);
+    const bool was_broken_off = ScanArguments::was_stopped() && *code == static_cast<int>(ErrorKind::machine);
+    if (batch && !was_broken_off)
+      if (Status kept = batch->end_part(part->name, {keeper->parts().back().number, *code}); !kept)
+        return kept.error();
     if (ScanArguments::was_stopped()) break;
   }
-  if (keeper->parts().empty()) return 0;
+  if (batch && batch->finished().size() == parts.size()) {
+    batch->remove();
+  } else if (batch) {
+    console.say(std::to_string(batch->finished().size()) + " of " + std::to_string(parts.size()) +
+                " parts are finished; go on by repeating the command with --resume");
+  }
+  if (keeper->parts().empty()) return worst;
   if (Status status = console.put_json(history_json(summarise(keeper->parts()), 0)); !status)
     return status.error();
   Result<std::vector<ModelHistory>> history = keeper->history();
@@ -327,6 +394,14 @@ Result<int> measure_batch(const Console& console, MeasureArguments& arguments) {
 
 // One part, kept in the history where one is named.
 Result<int> measure_single(const Console& console, MeasureArguments& arguments) {
+  std::error_code ignored;
+  const std::string scan_path = scan_file(arguments);
+  if (arguments.scan.resume && std::filesystem::exists(scan_path, ignored) &&
+      !std::filesystem::exists(journal_of(scan_path), ignored)) {
+    return bad_input(scan_path +
+                     ": the scan is whole; rounds of re-measurement that were broken off cannot be " +
+                     "gone on with, measure the part anew without --resume");
+  }
   if (Status status = prepare_one(console, arguments); !status) return status.error();
   Result<Nominal> nominal = read_nominal(console, arguments);
   if (!nominal) return nominal.error();

@@ -3,9 +3,11 @@
 import hashlib
 import json
 import os
+import signal
 import sqlite3
 import statistics
 import subprocess
+import time
 
 import command_line as cl
 
@@ -85,6 +87,41 @@ class History(cl.CommandLineTest):
         with sqlite3.connect(self.path('parts.db')) as database:
             self.assertEqual(database.execute('PRAGMA integrity_check').fetchone(), ('ok',))
             self.assertEqual(database.execute('PRAGMA foreign_key_check').fetchall(), [])
+
+    def test_a_batch_that_is_stopped_is_gone_on_with(self):
+        os.mkdir(self.path('parts'))
+        for name in ('a', 'b', 'c'):
+            self.write(f'parts/{name}.csg', step(40))
+        self.measure('--emulated', 'parts', history='whole.db', out='whole')
+        arguments = ('measure', '--emulated', 'parts', '--model', 'nominal.csg', '--tolerances', 'tolerances.json', '--plan', 'plan.json',
+                     '--rounds', '0', '--history', 'parts.db', '--out', 'reports')
+        for signal_number in (signal.SIGINT, signal.SIGKILL):
+            more = ('--resume',) if signal_number == signal.SIGKILL else ()
+            host = subprocess.Popen([os.path.join(cl.BIN, 'tetragauge'), *arguments, *more], cwd=self.folder, stdout=subprocess.PIPE,
+                                    stderr=subprocess.PIPE, text=True)
+            self.addCleanup(host.kill)
+            # While b is measured for the first time, and then again.
+            while not os.path.exists(self.path('reports/b/scan.ply.journal')) and host.poll() is None:
+                time.sleep(0.001)
+            host.send_signal(signal_number)
+            _, stderr = host.communicate(timeout=120)
+            if signal_number == signal.SIGINT:
+                self.assertEqual(host.returncode, 4, stderr)
+                self.assertIn('1 of 3 parts are finished', stderr)
+            self.assertEqual([p['part'] for p in self.run_json('history', 'parts.db')['models'][0]['parts']], ['a.csg'], 'half a part is no row')
+        other = self.run_command(*arguments, '--resume', '--seed', 7)
+        self.assertEqual(other.returncode, 3)
+        self.assertIn('--seed', other.stderr)
+        done = self.run_command(*arguments, '--resume')
+        self.assertIn('a.csg: measured before, kept', done.stderr)
+        self.assertIn('b.csg: was broken off, measured from its beginning', done.stderr)
+        # As if nothing had happened.
+        self.assertEqual(self.read('parts.db'), self.read('whole.db'))
+        for name in ('a.csg', 'b.csg', 'c.csg'):
+            self.assertIn(name, done.stdout)
+        again = self.run_command(*arguments, '--resume')
+        self.assertEqual(again.returncode, 3)
+        self.assertIn('no batch that was broken off', again.stderr)
 
     def test_a_port_without_a_terminal_takes_one_part(self):
         self.write('part.csg', step(40))

@@ -102,6 +102,10 @@ class Measure(cl.CommandLineTest):
         self.assertNotEqual(report['interruption'], '')
         self.assertEqual([f['id'] for f in report['faces'] if not f['measured']], [self.bottom])
         self.assertFalse(os.path.exists(self.path('report/scan.ply.journal')))
+        # There is no going on with rounds, and it says so.
+        done = self.run_command('measure', '--emulated', 'part.csg', '--model', 'part.csg', '--out', 'report', '--resume')
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertIn('measure the part anew', done.stderr)
 
 
 if __name__ == '__main__':
