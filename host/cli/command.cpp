@@ -10,6 +10,7 @@
 
 #include "host/base/whole_file.hpp"
 #include "host/cli/check_outputs.hpp"
+#include "host/report/print_text.hpp"
 
 namespace tetragauge::cli {
 
@@ -30,7 +31,10 @@ void Console::end_stage() const {
 
 void Console::say(const std::string& line) const {
   end_stage();
-  if (!quiet) std::fprintf(stderr, "%s\n", line.c_str());
+  if (quiet) return;
+  // Else a terminal breaks it in the middle of a word.
+  const bool is_terminal = ::isatty(STDERR_FILENO) == 1;
+  std::fputs(is_terminal ? wrapped(line).c_str() : (line + "\n").c_str(), stderr);
 }
 
 void Console::print(const std::string& text) const {

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "host/cli/progress_line.hpp"
 
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <array>
 #include <cstdio>
 
@@ -50,12 +54,10 @@ std::string progress_text(const ScanProgress& progress, double elapsed_s) {
     char number[40];
     std::snprintf(number, sizeof number, ", %.0f beams/s", rate);
     text += number;
-    if (!rejected.empty()) text += ", rejected " + rejected;
     if (progress.beams_planned >= counts.beams)
       text += ", " + time_text(static_cast<double>(progress.beams_planned - counts.beams) / rate) + " left";
-  } else if (!rejected.empty()) {
-    text += ", rejected " + rejected;
   }
+  if (!rejected.empty()) text += ", rejected " + rejected;
   return text;
 }
 
@@ -71,6 +73,10 @@ void ProgressLine::show(const ScanProgress& progress) {
   }
   drawn_ = now;
   std::string text = progress_text(progress, std::chrono::duration<double>(now - start_).count());
+  // A line that wraps cannot be drawn over.
+  winsize terminal{};
+  if (::ioctl(STDERR_FILENO, TIOCGWINSZ, &terminal) == 0 && terminal.ws_col > 1)
+    text.resize(std::min<size_t>(text.size(), terminal.ws_col - 1u));
   const size_t length = text.size();
   if (length < length_) text.append(length_ - length, ' ');
   std::fprintf(stderr, "\r%s", text.c_str());

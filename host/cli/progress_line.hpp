@@ -9,8 +9,8 @@
 
 namespace tetragauge::cli {
 
-// "view 3 of 8, 5210 points, 302/s, rejected 12 weak, 4 ambient, 1:20 left"; `elapsed_s` since the first
-// beam of this session.
+// "view 3 of 8, 5210 points, 302 beams/s, 1:20 left, rejected 12 weak, 4 ambient"; `elapsed_s` since the
+// first beam of this session.
 std::string progress_text(const ScanProgress& progress, double elapsed_s);
 // "12 weak, 4 ambient"; empty when none were.
 std::string rejected_text(const ScanCounts& counts);

@@ -47,9 +47,12 @@ Result<PartMeasurement> measure_part(Link& link, const Solid& model, const Toler
   PartMeasurement out;
   auto first = first_scan(link, *machine, model, caster, options, scan, out.story);
   if (!first) return first.error();
-  if (options.keep_scan) {
-    if (const Status kept = options.keep_scan(first->scan, first->counts); !kept) return kept.error();
-  }
+  const auto keep = [&](const Scan& measured, const ScanCounts& counts) -> Status {
+    if (!options.keep_scan) return Done{};
+    if (scan.on_stage) scan.on_stage("keeping the scan");
+    return options.keep_scan(measured, counts);
+  };
+  if (const Status kept = keep(first->scan, first->counts); !kept) return kept.error();
 
   Result<InspectionRun> run = inspect(first->scan, model, tolerances, improve.inspect);
   if (!run) return run.error();
@@ -59,9 +62,8 @@ Result<PartMeasurement> measure_part(Link& link, const Solid& model, const Toler
   if (improve.rounds > 0) {
     out.interruption =
         improve_scan(link, *machine, model, caster, tolerances, improve, scan, part, out.story);
-    if (options.keep_scan && !out.story.rounds.empty()) {
-      if (const Status kept = options.keep_scan(part.scan, part.counts); !kept) return kept.error();
-    }
+    if (!out.story.rounds.empty())
+      if (const Status kept = keep(part.scan, part.counts); !kept) return kept.error();
   }
   out.scan = std::move(part.scan);
   out.counts = part.counts;

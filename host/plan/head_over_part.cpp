@@ -33,6 +33,7 @@ HeadOverPart::HeadOverPart(const PlanningMachine& machine, const RigidTransform&
       T_machine_model_(T_machine_part(machine.head, place.table_deg, place.slide_mm) * T_part_model),
       T_model_machine_(T_machine_model_.inverse()),
       T_part_model_(T_part_model),
+      rest_(ray_of_mirrors(machine.head, 0, 0)),
       mirror_mm_(beam(0, 0).origin_mm) {
   for (size_t k = 0; k < 2; ++k) {
     const Vector3<double>& centre = machine.geometry.camera[k].centre;
@@ -85,10 +86,9 @@ void HeadOverPart::ask_cameras(const RayCaster& caster, const Vec3& spot_mm, con
 
 bool HeadOverPart::may_reach(const Vec3& spot_mm) const {
   const HeadGeometry& head = machine_.head;
-  const MachineRay rest = ray_of_mirrors(head, 0, 0);
-  const Vec3 way = T_machine_model_ * spot_mm - rest.origin_mm;
+  const Vec3 way = T_machine_model_ * spot_mm - rest_.origin_mm;
   // The beam turns twice as far as a mirror; a tenth more than the limit, because mirror a stands before b.
-  const double limit = 1.1 * 2e-6 * head.mirror_limit_urad, along = way.dot(rest.direction);
+  const double limit = 1.1 * 2e-6 * head.mirror_limit_urad, along = way.dot(rest_.direction);
   return std::abs(std::atan2(way.dot(head.y), along)) <= limit &&
          std::abs(std::atan2(way.dot(head.up), along)) <= limit;
 }

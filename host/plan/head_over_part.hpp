@@ -67,6 +67,7 @@ class HeadOverPart {
 
   const PlanningMachine& machine_;
   RigidTransform T_machine_model_, T_model_machine_, T_part_model_;
+  MachineRay rest_;                // of the beam with both mirrors at zero, machine frame
   Vec3 mirror_mm_;                 // at rest, model frame
   std::array<Vec3, 2> camera_mm_;  // model frame
 };

@@ -40,7 +40,9 @@ Status write_report(const std::filesystem::path& folder, const Report& report);
 
 nlohmann::ordered_json report_json(const Report& report);
 std::string report_text(const Report& report);  // verdict first; fits 100 columns
-std::string faces_csv(const Report& report);    // a face a line, RFC 4180, with a head line
+// Its beginning, without the tables of surface, distances and angles.
+std::string summary_text(const Report& report);
+std::string faces_csv(const Report& report);  // a face a line, RFC 4180, with a head line
 
 nlohmann::ordered_json match_json(const Match& match,
                                   const std::string& method);  // shared with `match --json`

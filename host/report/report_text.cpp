@@ -35,8 +35,8 @@ std::string pose_lines(const Match& match) {
   const Vec3 deg = degrees_from_rotation(match.T_model_part.R);
   const Vec3& t = match.T_model_part.t;
   std::string out =
-      print("pose (model from part): Rz(%.4f) Ry(%.4f) Rx(%.4f) degrees, t = (%.4f, %.4f, %.4f) mm\n",
-            deg.z() + 0.0, deg.y() + 0.0, deg.x() + 0.0, t.x() + 0.0, t.y() + 0.0, t.z() + 0.0);
+      wrapped(print("pose (model from part): Rz(%.4f) Ry(%.4f) Rx(%.4f) degrees, t = (%.4f, %.4f, %.4f) mm",
+                    deg.z() + 0.0, deg.y() + 0.0, deg.x() + 0.0, t.x() + 0.0, t.y() + 0.0, t.z() + 0.0));
   const Vec3 turn = match.covariance.diagonal().head<3>().cwiseMax(0.0).cwiseSqrt() * 1e3;
   const Vec3 shift = match.covariance.diagonal().tail<3>().cwiseMax(0.0).cwiseSqrt();
   out += print("  standard uncertainty at the part's centroid: %.4f %.4f %.4f mrad, %.4f %.4f %.4f mm\n",
@@ -114,7 +114,7 @@ std::string remarks(const Report& report) {
 
 }  // namespace
 
-std::string report_text(const Report& report) {
+std::string summary_text(const Report& report) {
   std::string out = head(report) + "\n" + alignment_lines(report.run.inspection);
   for (size_t k = 0; k < report.run.set_ups.size(); ++k) {
     if (report.run.set_ups.size() > 1) out += print("scan %zu, ", k + 1);
@@ -123,6 +123,11 @@ std::string report_text(const Report& report) {
   if (report.story) out += "\n" + story_lines(*report.story);
   out += "\n" + faces_table(report);
   if (const std::string text = remarks(report); !text.empty()) out += "\n" + text;
+  return out;
+}
+
+std::string report_text(const Report& report) {
+  std::string out = summary_text(report);
   if (const std::string table = surface_table(report); !table.empty()) out += "\n" + table;
   if (const std::string table = relations_table(report); !table.empty()) out += "\n" + table;
   return out;

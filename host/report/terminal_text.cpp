@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <sstream>
 
 #include "host/report/print_text.hpp"
@@ -51,7 +52,10 @@ std::string last_line(const std::string& verdict, const std::string& page_path) 
 }  // namespace
 
 std::string terminal_text(const Report& report, const std::string& page_path, bool colour) {
-  const std::string text = report_text(report) + "\n" + last_line(verdict_line(report), page_path);
+  const std::string all = std::filesystem::path(page_path).replace_filename("report.txt").string();
+  const std::string text = summary_text(report) + "\n" +
+                           wrapped("surface of each face, distances and angles: " + all) +
+                           last_line(verdict_line(report), page_path);
   return colour ? coloured(text) : text;
 }
 

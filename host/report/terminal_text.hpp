@@ -8,8 +8,8 @@
 
 namespace tetragauge {
 
-// report_text(), and as the last line, where a long report leaves off, the verdict again with the path of its
-// page. With `colour` verdicts are coloured (ANSI); they stand in words all the same.
+// summary_text(), where the rest of report.txt stands, and as the last line the verdict again with the path
+// of the page. With `colour` verdicts are coloured (ANSI); they stand in words all the same.
 std::string terminal_text(const Report& report, const std::string& page_path, bool colour);
 
 // Whether to colour what goes to this file descriptor: it is a terminal that can, and NO_COLOR (no-color.org)
