@@ -25,7 +25,9 @@ cxx=("${common[@]}" -std=c++20 -fno-exceptions -fno-rtti -fno-threadsafe-statics
 objects=()
 while IFS= read -r file; do
   object="$(echo "${file#"$source_dir"/}" | tr / _).o"
-  $cross-g++ "${cxx[@]}" -c "$file" -o "$object"
+  speed=()
+  case "$file" in */firmware/measure/*) speed=(-O2) ;; esac
+  $cross-g++ "${cxx[@]}" "${speed[@]}" -c "$file" -o "$object"
   objects+=("$object")
 done < <(find "$source_dir/protocol" "$source_dir/firmware" -name '*.cpp' ! -name '*_test.cpp' ! -path '*/same_bits/*' | LC_ALL=C sort)
 for file in "$nanopb"/pb_common.c "$nanopb"/pb_encode.c "$nanopb"/pb_decode.c "$generated"/protocol/machine.pb.c; do

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
+#include <vector>
 
 #include "firmware/measure/ray_samples.hpp"
 #include "firmware/test_host.hpp"
@@ -48,6 +51,43 @@ TEST(RaySamples, VarianceOfATrimmedMeanIsThatOfRepeatedDraws) {
       EXPECT_NEAR(variance / (said * one_sample), 1, 0.04) << count << " samples, trim " << trim;
       EXPECT_NEAR(sum / draws, 0, 4 * std::sqrt(variance / draws) + 1e-4)
           << count << " samples, trim " << trim;
+    }
+  }
+}
+
+// Every length and share, codes from rail to rail and codes with many equal ones, in order and not.
+TEST(RaySamples, MeanIsThatOfTheMiddleOfTheSortedCodes) {
+  std::mt19937 random(5);
+  for (uint32_t count = 1; count <= kBurstSamples; ++count) {
+    for (const uint32_t trim : {0u, 20u, 100u, 150u, 250u}) {
+      std::vector<int32_t> codes[RaySamples::kChannels];
+      PsdSample burst[kBurstSamples] = {};
+      for (int c = 0; c < RaySamples::kChannels; ++c) {
+        const int32_t half_range = c < 4 ? 32'767 : 2 + c;
+        std::uniform_int_distribution<int32_t> code(-half_range - 1, half_range);
+        for (uint32_t i = 0; i < count; ++i) codes[c].push_back(code(random));
+        if (c % 4 == 1) std::sort(codes[c].begin(), codes[c].end());
+        if (c % 4 == 2) std::sort(codes[c].rbegin(), codes[c].rend());
+        for (uint32_t i = 0; i < count; ++i) {
+          auto& camera = burst[i].camera[c / 4];
+          int16_t* const of_camera[] = {&camera.x1, &camera.x2, &camera.y1, &camera.y2};
+          *of_camera[c % 4] = static_cast<int16_t>(codes[c][i]);
+        }
+      }
+      RaySamples samples;
+      samples.add(Light::kOn, burst, count, 30'000, trim);
+      for (int c = 0; c < RaySamples::kChannels; ++c) {
+        std::sort(codes[c].begin(), codes[c].end());
+        const auto dropped = static_cast<std::ptrdiff_t>(count * trim / 1000);
+        const double sum = std::accumulate(codes[c].begin() + dropped, codes[c].end() - dropped, 0.0);
+        const double mean = sum / (static_cast<double>(count) - 2 * static_cast<double>(dropped));
+        // A 65,536th of a code, and two roundings of float.
+        EXPECT_NEAR(static_cast<double>(samples.mean(Light::kOn, c)), mean,
+                    0x1p-16 + std::abs(mean) * 0x1p-22)
+            << count << " samples, trim " << trim << ", channel " << c;
+        const bool on_rail = codes[c].back() >= 30'000 || codes[c].front() <= -30'000;
+        EXPECT_EQ(samples.on_rail(Light::kOn) >> c & 1, on_rail ? 1u : 0u);
+      }
     }
   }
 }

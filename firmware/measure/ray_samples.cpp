@@ -1,44 +1,83 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware/measure/ray_samples.hpp"
 
+#include <cstddef>
+#include <cstring>
+
 namespace tetragauge {
 namespace {
 
-int16_t code_of(const PsdSample& sample, int channel) {
-  const PsdSample::Camera& camera = sample.camera[channel / 4];
-  switch (channel % 4) {
-    case 0:
-      return camera.x1;
-    case 1:
-      return camera.x2;
-    case 2:
-      return camera.y1;
-    default:
-      return camera.y2;
-  }
+// A channel is every eighth code of a burst.
+static_assert(sizeof(PsdSample) == RaySamples::kChannels * sizeof(int16_t));
+int32_t code_at(const std::byte* channel, uint32_t sample) {
+  int16_t code;
+  std::memcpy(&code, channel + sample * sizeof(PsdSample), sizeof code);
+  return code;
 }
 
-// The smallest few of a sequence; the largest with the sign turned.
-class Smallest {
- public:
-  explicit Smallest(uint32_t wanted) : wanted_(wanted) {}
-  void add(int32_t value) {
-    if (kept_ == wanted_) {
-      if (value >= kept_values_[kept_ - 1]) return;
-      sum_ -= kept_values_[--kept_];
-    }
-    uint32_t at = kept_++;
-    for (; at > 0 && kept_values_[at - 1] > value; --at) kept_values_[at] = kept_values_[at - 1];
-    kept_values_[at] = value;
-    sum_ += value;
-  }
-  int32_t sum() const { return sum_; }
-
- private:
-  uint32_t wanted_, kept_ = 0;
-  int32_t sum_ = 0;
-  int32_t kept_values_[kBurstSamples / 4];
+struct Extremes {
+  int32_t smallest = 0, largest = 0;
+  int32_t sum = 0;  // of what is not dropped
 };
+
+Extremes sum_up(const std::byte* channel, uint32_t count) {
+  Extremes all;
+  all.smallest = all.largest = all.sum = code_at(channel, 0);
+  for (uint32_t i = 1; i < count; ++i) {
+    const int32_t code = code_at(channel, i);
+    all.sum += code;
+    if (code < all.smallest) all.smallest = code;
+    if (code > all.largest) all.largest = code;
+  }
+  return all;
+}
+
+// The smallest `dropped` and the largest in order, both from the outside in. Most codes lie between the two
+// innermost ones, and cost two comparisons.
+constexpr uint32_t kMostDropped = kBurstSamples / 4;
+struct Kept {
+  int32_t smallest[kMostDropped], largest[kMostDropped];
+};
+
+// `at`: where a code that is further out than the innermost one may go, from the inside out.
+void put_small(int32_t code, int32_t* at, const int32_t* outermost) {
+  for (; at != outermost && at[-1] > code; --at) *at = at[-1];
+  *at = code;
+}
+void put_large(int32_t code, int32_t* at, const int32_t* outermost) {
+  for (; at != outermost && at[-1] < code; --at) *at = at[-1];
+  *at = code;
+}
+
+Extremes sum_up_trimmed(const std::byte* channel, uint32_t count, uint32_t dropped) {
+  Kept kept;
+  Extremes all;
+  for (uint32_t i = 0; i < dropped; ++i) {
+    const int32_t code = code_at(channel, i);
+    all.sum += code;
+    put_small(code, kept.smallest + i, kept.smallest);
+    put_large(code, kept.largest + i, kept.largest);
+  }
+  int32_t* const inner_small = kept.smallest + dropped - 1;
+  int32_t* const inner_large = kept.largest + dropped - 1;
+  int32_t low = *inner_small, high = *inner_large;
+  for (uint32_t i = dropped; i < count; ++i) {
+    const int32_t code = code_at(channel, i);
+    all.sum += code;
+    if (code < low) {
+      put_small(code, inner_small, kept.smallest);
+      low = *inner_small;
+    }
+    if (code > high) {
+      put_large(code, inner_large, kept.largest);
+      high = *inner_large;
+    }
+  }
+  for (uint32_t k = 0; k < dropped; ++k) all.sum -= kept.smallest[k] + kept.largest[k];
+  all.smallest = kept.smallest[0];
+  all.largest = kept.largest[0];
+  return all;
+}
 
 }  // namespace
 
@@ -56,25 +95,16 @@ void RaySamples::add(Light light, const PsdSample* burst, uint32_t count, int32_
                      uint32_t trim_permille) {
   const int phase = index(light);
   const uint32_t dropped = count * trim_permille / 1000;
+  const auto kept = static_cast<int32_t>(count - 2 * dropped);
   for (int c = 0; c < kChannels; ++c) {
-    int32_t sum = 0;
-    if (dropped == 0) {
-      for (uint32_t i = 0; i < count; ++i) sum += code_of(burst[i], c);
-    } else {
-      Smallest low(dropped), high(dropped);
-      for (uint32_t i = 0; i < count; ++i) {
-        const int32_t code = code_of(burst[i], c);
-        sum += code;
-        low.add(code);
-        high.add(-code);
-      }
-      sum += high.sum() - low.sum();
-    }
-    for (uint32_t i = 0; i < count; ++i) {
-      const int32_t code = code_of(burst[i], c);
-      if (code >= rail_codes || code <= -rail_codes) on_rail_[phase] |= 1u << c;
-    }
-    sum_[phase][c] += int64_t{sum} * 65'536 * count / (count - 2 * dropped);
+    const std::byte* channel = reinterpret_cast<const std::byte*>(burst) + c * sizeof(int16_t);
+    const Extremes all = dropped == 0 ? sum_up(channel, count) : sum_up_trimmed(channel, count, dropped);
+    if (all.largest >= rail_codes || all.smallest <= -rail_codes) on_rail_[phase] |= 1u << c;
+    // sum * 2^16 * count / kept without a division of 64 bits, of which the processor has none: a sum is less
+    // than 2^15 * 2^6, so all of these keep to 32 bits.
+    const int32_t weighted = all.sum * static_cast<int32_t>(count);
+    const int32_t whole = weighted / kept, rest = weighted % kept;
+    sum_[phase][c] += int64_t{whole} * 65'536 + rest * 65'536 / kept;
   }
   count_[phase] += count;
   noise_permille_[phase] += count * trimmed_variance_permille(dropped, count);
