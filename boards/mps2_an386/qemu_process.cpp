@@ -23,8 +23,8 @@ namespace {
 
 constexpr const char* kProgram = "qemu-system-arm";
 constexpr const char* kSaid = "said";  // what QEMU and the image print
-// A turn takes some 50 us.
-constexpr std::chrono::seconds kPatience{20};
+// A turn takes some 50 us. Only a QEMU that hangs takes so long, on a computer however busy.
+constexpr std::chrono::seconds kPatience{120};
 constexpr int kWaitSlice_ms = 200;
 
 std::string error_text() {

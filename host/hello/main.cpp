@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tetragauge-hello: says Hello to a machine and prints version, status, log lines and self-test.
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -17,6 +19,7 @@ using Json = nlohmann::ordered_json;
 struct Options {
   std::string port;
   int baud = TransportOptions{}.baud;
+  int rounds = 0, patience_s = static_cast<int>(LinkOptions{}.silence.count() / 1000);
   bool json = false, bootloader = false;
 };
 
@@ -80,6 +83,11 @@ void print(const Json& out) {
                 item["result"].get<std::string>().c_str(), item["value"].get<int>(),
                 item["limit"].get<int>());
   }
+  if (out.contains("round_trip")) {
+    const auto& trip = out["round_trip"];
+    std::printf("%d round trips: median %d us, 99 %% within %d us, worst %d us\n", trip["rounds"].get<int>(),
+                trip["median_us"].get<int>(), trip["p99_us"].get<int>(), trip["worst_us"].get<int>());
+  }
 }
 
 int fail(const Error& error) {
@@ -87,12 +95,31 @@ int fail(const Error& error) {
   return static_cast<int>(error.kind);
 }
 
+// Asks for the status again and again: how long host, line and machine take to answer.
+Result<Json> time_rounds(Link& link, int rounds) {
+  std::vector<int64_t> took_us;
+  for (int round = 0; round < rounds; ++round) {
+    const auto asked = std::chrono::steady_clock::now();
+    auto status = link.status();
+    if (!status) return status.error();
+    const auto took = std::chrono::steady_clock::now() - asked;
+    took_us.push_back(std::chrono::duration_cast<std::chrono::microseconds>(took).count());
+  }
+  std::sort(took_us.begin(), took_us.end());
+  return Json{{"rounds", rounds},
+              {"median_us", took_us[took_us.size() / 2]},
+              {"p99_us", took_us[took_us.size() * 99 / 100]},
+              {"worst_us", took_us.back()}};
+}
+
 int run(const Options& options) {
   TransportOptions line;
   line.baud = options.baud;
   auto transport = open_transport(options.port, line);
   if (!transport) return fail(transport.error());
-  auto link = Link::connect(std::move(*transport));
+  LinkOptions how;
+  how.silence = std::chrono::seconds(options.patience_s);
+  auto link = Link::connect(std::move(*transport), how);
   if (!link) return fail(link.error());
   tg_HostMessage message = tg_HostMessage_init_zero;
   if (options.bootloader) {
@@ -108,7 +135,12 @@ int run(const Options& options) {
   std::vector<std::string> logs;
   while (const auto log = (*link)->next_log()) logs.emplace_back(log->text);
 
-  const Json out = describe((*link)->machine(), *status, logs, test->body.self_test);
+  Json out = describe((*link)->machine(), *status, logs, test->body.self_test);
+  if (options.rounds > 0) {
+    auto times = time_rounds(**link, options.rounds);
+    if (!times) return fail(times.error());
+    out["round_trip"] = *times;
+  }
   if (options.json) {
     std::printf("%s\n", out.dump(1).c_str());
   } else {
@@ -128,6 +160,13 @@ int main(int argc, char** argv) {
   tetragauge::Options options;
   app.add_option("--port", options.port, "/dev/ttyUSB0, unix:PATH or tcp:HOST:PORT")->required();
   app.add_option("--baud", options.baud, "of a serial port")->capture_default_str();
+  app.add_option("--rounds", options.rounds,
+                 "ask for the status so often, and print how long the answers took")
+      ->check(CLI::Range(1, 1'000'000));
+  app.add_option("--patience", options.patience_s,
+                 "seconds without a sign of life until a machine is given up")
+      ->check(CLI::Range(1, 3600))
+      ->capture_default_str();
   app.add_flag("--json", options.json, "as JSON");
   app.add_flag("--bootloader", options.bootloader, "into the chip's bootloader, for flashing");
   try {

@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 
 BAUD = 921600
 BYTES_A_SECOND = BAUD / 10  # 8N1
@@ -31,6 +32,7 @@ class Relay(threading.Thread):
         self.listener.listen(1)
         self.machine = machine
         self.to_host = bytearray()
+        self.came = []  # (when, bytes) of it
         self.to_machine = 0
 
     def run(self):
@@ -44,6 +46,7 @@ class Relay(threading.Thread):
                     return
                 if source is machine:
                     self.to_host += data
+                    self.came.append((time.monotonic(), data))
                     host.sendall(data)
                 else:
                     self.to_machine += len(data)

@@ -33,7 +33,7 @@ class Emulator:
 
     def ended(self):
         """Exit code and what it said, after its host has gone."""
-        said = self.process.communicate(timeout=60)[1]
+        said = self.process.communicate(timeout=300)[1]
         return self.process.returncode, said
 
     def trace(self):

@@ -55,7 +55,7 @@ if [ -n "$initialised" ]; then
 fi
 
 ./same_bits-host >host.txt
-timeout 120 qemu-system-arm -M mps2-an386 -nographic -monitor none -serial none \
+timeout 900 qemu-system-arm -M mps2-an386 -nographic -monitor none -serial none \
   -semihosting-config enable=on,target=native -kernel same_bits-arm.elf >arm.txt 2>&1
 cat arm.txt
 if ! cmp -s host.txt arm.txt; then
