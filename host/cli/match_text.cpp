@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <numbers>
 
+#include "host/match/turn_text.hpp"
+
 namespace tetragauge::cli {
 namespace {
 
@@ -31,17 +33,17 @@ std::string pairs(const char* what, const std::vector<FaceIds>& ids) {
 }
 
 std::string free_text(const FreeDirection& free) {
-  return text("%s along %.4f %.4f %.4f\n",
-              free.kind == FreeDirection::Kind::translation ? "translation" : "rotation", free.axis.x(),
-              free.axis.y(), free.axis.z());
+  return (free.kind == FreeDirection::Kind::translation ? "translation along " : "rotation about ") +
+         vector_text(free.axis, 4) + "\n";
 }
 
 // The three turns in the order of the thesis, then the one turn about an axis.
 std::string turns(const Mat3& R) {
   const Vec3 deg = degrees_from_rotation(R);
   const Eigen::AngleAxisd turn(R);
-  return text("Rz(%.4f) Ry(%.4f) Rx(%.4f) degrees: %.4f about (%.4f, %.4f, %.4f)", deg.z(), deg.y(), deg.x(),
-              turn.angle() * kDegrees, turn.axis().x(), turn.axis().y(), turn.axis().z());
+  return "Rz(" + number_text(deg.z(), 4) + ") Ry(" + number_text(deg.y(), 4) + ") Rx(" +
+         number_text(deg.x(), 4) + ") degrees: " + number_text(turn.angle() * kDegrees, 4) + " about " +
+         vector_text(turn.axis(), 4);
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <set>
 
+#include "host/inspect/held_faces.hpp"
+
 namespace tetragauge {
 namespace {
 
@@ -49,8 +51,12 @@ JoinedScan join_set_ups(std::span<const Scan> scans, const Solid& model, const R
     joined.set_up.resize(joined.cast.face.size(), static_cast<uint32_t>(s));
     joined.u_cal_mm = std::max(joined.u_cal_mm, scans[s].header.u_cal_mm);
     joined.max_offset_mm = std::max(joined.max_offset_mm, match.max_offset_mm);
-    joined.is_determined = joined.is_determined && match.undetermined.empty();
+    for (const FreeDirection& free : match.undetermined)
+      joined.is_determined = joined.is_determined && free.kind == FreeDirection::Kind::rotation;
   }
+  joined.held = held_faces(model, set_ups);
+  joined.is_determined =
+      joined.is_determined && std::find(joined.held.begin(), joined.held.end(), false) == joined.held.end();
   return joined;
 }
 

@@ -25,7 +25,8 @@ struct JoinedScan {
   std::vector<MeasuredPatch> patches;  // by set-up, then as matched
   double u_cal_mm = 0;                 // the largest of the scans'
   double max_offset_mm = 0;            // farther from its place a face was not taken for that face
-  bool is_determined = true;           // no pose has a free direction
+  std::vector<bool> held;              // per model face, see held_faces
+  bool is_determined = true;           // no pose has a free direction, or only one that moves no face
 };
 
 JoinedScan join_set_ups(std::span<const Scan> scans, const Solid& model, const RayCaster& caster,

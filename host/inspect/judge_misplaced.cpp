@@ -2,11 +2,11 @@
 #include "host/inspect/judge_misplaced.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <set>
+
+#include "host/match/turn_text.hpp"
 
 namespace tetragauge {
 namespace {
@@ -17,13 +17,9 @@ std::string where_it_stands(const MisplacedFeature& feature, int face) {
     if (pair.model != face) others.insert(pair.model);
   std::string names;
   for (const int id : others) names += (names.empty() ? " " : ", ") + std::to_string(id);
-  std::array<char, 160> text{};
-  std::snprintf(text.data(), text.size(),
-                " it stands off its place by (%.3f, %.3f, %.3f) mm, turned by %.3f degrees",
-                feature.shift_mm.x() + 0.0, feature.shift_mm.y() + 0.0, feature.shift_mm.z() + 0.0,
-                feature.turn_rad * 180 / std::numbers::pi);
   return "the right shape in the wrong place: with face" + std::string(others.size() == 1 ? "" : "s") +
-         names + text.data();
+         names + " it stands off its place by " + vector_text(feature.shift_mm, 3) + " mm, turned by " +
+         number_text(feature.turn_rad * 180 / std::numbers::pi, 3) + " degrees";
 }
 
 // How far the moved face lies from its place, at the corner where that is most.

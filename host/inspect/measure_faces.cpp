@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "host/inspect/measure_face.hpp"
+#include "host/solid/surface_crossings.hpp"
 
 namespace tetragauge {
 namespace {
@@ -20,6 +21,18 @@ struct Sight {
   size_t behind = 0;         // went clearly through where its material should be
   size_t elsewhere = 0;      // points at another surface or off by more than the gate
 };
+
+// A point clearly off this face that lies much nearer to a neighbour's surface: the neighbour is out of place
+// and so is their edge.
+bool is_of_neighbour(const Solid& model, const Face& face, const Vec3& point_mm, double deviation_mm,
+                     double sigma_mm) {
+  if (std::abs(deviation_mm) <= 3 * sigma_mm) return false;
+  return std::any_of(face.neighbours.begin(), face.neighbours.end(), [&](int id) {
+    const Face& other = model.faces()[static_cast<size_t>(id) - 1];
+    return has_crossings(other) &&
+           std::abs(distance_to_surface(other, point_mm)) < 0.5 * std::abs(deviation_mm);
+  });
+}
 
 // A measured face's points belong to its model face's surface; among patches of one surface the ray decides.
 // A point on no paired measured face belongs to the model face that its ray meets, if it lies near. Rays that
@@ -42,7 +55,9 @@ std::vector<Sight> sort_points(const Solid& model, const JoinedScan& joined) {
     ++sight.met;
     const bool near = std::abs(cast.deviation_mm[i]) <= joined.max_offset_mm;
     const bool of_this = surface_of_point[i] == model.faces()[face].surface;
-    if (of_this || (near && surface_of_point[i] == 0 && !paired[face])) {
+    if (of_this || (near && surface_of_point[i] == 0 && !paired[face] &&
+                    !is_of_neighbour(model, model.faces()[face], cast.points_mm[i], cast.deviation_mm[i],
+                                     cast.sigma_mm[i]))) {
       sight.on.push_back(i);
     } else {
       ++sight.elsewhere;
@@ -83,7 +98,7 @@ double form_tolerance(const FaceTolerance& tolerance) {
   return tightest < 1e300 ? tightest : 0;
 }
 
-void measure(const Sight& sight, const FaceMeasurement& in, bool is_determined, double min_coverage,
+void measure(const Sight& sight, const FaceMeasurement& in, bool is_held, double min_coverage,
              FaceInspection& out) {
   out.points_used = sight.on.size();
   out.points_rejected = sight.elsewhere;
@@ -92,8 +107,7 @@ void measure(const Sight& sight, const FaceMeasurement& in, bool is_determined, 
     return;
   }
   measure_face(in, out);
-  if (in.face.type != SurfaceType::plane && !is_determined) {
-    // A plane's offset does not feel the part moving where nothing holds it; a curved face's does.
+  if (!is_held) {
     out.measured = false;
     out.reason = "the part's pose is undetermined, and with it where this face should be";
   } else if (!out.measured) {
@@ -148,7 +162,7 @@ MeasuredPart measure_faces(const JoinedScan& joined, const Solid& model,
       measure(sight,
               {face, outlines[k], cast, pose_error, sight.on, area_mm2, form_tolerance(tolerance),
                joined.u_cal_mm},
-              joined.is_determined, tolerances.min_coverage, out);
+              joined.held[k], tolerances.min_coverage, out);
       if (wanted && !out.measured) out.verdict = Verdict::not_measured;
       if (face.type == SurfaceType::other && out.measured)
         out.reason = "free-form: compared point by point, not fitted";

@@ -3,13 +3,13 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <set>
 
 #include "host/match/find_misplaced.hpp"
 #include "host/match/free_directions.hpp"
 #include "host/match/rank_poses.hpp"
 #include "host/match/rule_out.hpp"
+#include "host/match/turn_text.hpp"
 
 namespace tetragauge {
 namespace {
@@ -35,21 +35,12 @@ std::string reason(const PlaneSet& model, const RigidTransform& other, const Rig
   // Free of the noise in the pose, the motion between two poses of a symmetric part is a symmetry; it is
   // tested within a thousandth of the part.
   const RigidTransform motion = other * chosen.inverse();
-  const Eigen::AngleAxisd turn(motion.R);
-  std::array<char, 200> text{};
-  if (is_symmetry(model, motion, is_unsigned)) {
-    std::snprintf(text.data(), text.size(),
-                  "the part is symmetric: turned by %.1f degrees about (%.3f, %.3f, %.3f) it is the same",
-                  turn.angle() * 180 / std::numbers::pi, turn.axis().x() + 0.0, turn.axis().y() + 0.0,
-                  turn.axis().z() + 0.0);
-  } else {
-    std::snprintf(text.data(), text.size(),
-                  "no measured face tells it apart: turned by %.1f degrees about (%.3f, %.3f, %.3f), misfit "
-                  "differs by %.1f (%.0f would decide)",
-                  turn.angle() * 180 / std::numbers::pi, turn.axis().x() + 0.0, turn.axis().y() + 0.0,
-                  turn.axis().z() + 0.0, cost_difference, kSameCost);
-  }
-  return text.data();
+  if (is_symmetry(model, motion, is_unsigned))
+    return "the part is symmetric: " + turn_text(motion.R) + " it is the same";
+  std::array<char, 80> text{};
+  std::snprintf(text.data(), text.size(), ", misfit differs by %.1f (%.0f would decide)", cost_difference,
+                kSameCost);
+  return "no measured face tells it apart: " + turn_text(motion.R) + text.data();
 }
 
 // Where, along the model's normal through the model face's centroid, the measured plane lies.
@@ -69,6 +60,23 @@ std::vector<FreeDirection> undetermined(const PlaneSet& model, const PlaneSet& m
     point += (T * measured.planes[pair.measured].point_mm) / static_cast<double>(pairs.size());
   }
   return free_directions(normals, point);
+}
+
+// The cheapest that the rays do not speak against: features too small or too changed to rule a pose out still
+// say which is likelier. Among poses of equal cost (a symmetric part's differ by rounding only) the one
+// nearest to no rotation.
+size_t choose(const std::vector<RankedPose>& poses) {
+  constexpr double kUnlikely = 2;  // standard deviations
+  const auto angle = [&](size_t k) { return rotation_angle(poses[k].pose.T_model_part.R); };
+  const auto first = std::find_if(poses.begin(), poses.end(),
+                                  [](const RankedPose& pose) { return pose.doubt <= kUnlikely; });
+  const size_t cheapest = first == poses.end() ? 0 : static_cast<size_t>(first - poses.begin());
+  size_t chosen = cheapest;
+  for (size_t k = cheapest + 1; k < poses.size(); ++k)
+    if (poses[k].doubt <= kUnlikely && poses[k].cost < poses[cheapest].cost + 1 &&
+        angle(k) < angle(chosen) - 1e-3)
+      chosen = k;
+  return chosen;
 }
 
 }  // namespace
@@ -102,11 +110,7 @@ void write_pairs(const PlaneSet& model, const PlaneSet& measured, const std::vec
 }
 
 Match conclude_match(const MatchInput& input, const RankedPoses& ranked) {
-  // Among poses of equal cost (a symmetric part's differ by rounding only) the one nearest to no rotation.
-  size_t chosen = 0;
-  const auto angle = [&](size_t k) { return rotation_angle(ranked.poses[k].pose.T_model_part.R); };
-  for (size_t k = 1; k < ranked.poses.size(); ++k)
-    if (ranked.poses[k].cost < ranked.poses[0].cost + 1 && angle(k) < angle(chosen) - 1e-3) chosen = k;
+  const size_t chosen = choose(ranked.poses);
   const RankedPose& best = ranked.poses[chosen];
 
   Match match;

@@ -5,17 +5,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/match/turn_text.hpp"
+
 namespace tetragauge {
 namespace {
 
 // Normals within half a degree of each other bound one direction, not two.
 constexpr double kSameDirection_rad = 0.5 * std::numbers::pi / 180;
 
-// The largest entry is positive, so that an axis has one way to be written.
-Vec3 canonical(Vec3 axis) {
-  Eigen::Index at = 0;
-  axis.cwiseAbs().maxCoeff(&at);
-  if (axis[at] < 0) axis = -axis;
+Vec3 canonical(const Vec3& measured) {
+  Vec3 axis = canonical_axis(measured);
   for (int i = 0; i < 3; ++i)
     if (std::abs(axis[i]) < 1e-15) axis[i] = 0;
   return axis.normalized();

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/match/turn_text.hpp"
+
 namespace tetragauge {
 namespace {
 
@@ -18,10 +20,7 @@ FreeDirection named(const Vec6& motion, const Vec3& pivot, double arm_mm) {
   const Vec3 turn = motion.head<3>(), shift = motion.tail<3>();
   const bool turns = arm_mm * turn.norm() > shift.norm() * 0.3;
   direction.kind = turns ? FreeDirection::Kind::rotation : FreeDirection::Kind::translation;
-  direction.axis = (turns ? turn : shift).normalized();
-  Eigen::Index largest = 0;
-  direction.axis.cwiseAbs().maxCoeff(&largest);
-  if (direction.axis[largest] < 0) direction.axis = -direction.axis;
+  direction.axis = canonical_axis((turns ? turn : shift).normalized());
   // Points of the axis are shifted along it alone: shift + turn x (point - pivot) is parallel to turn.
   direction.point_mm = pivot;
   if (turns) direction.point_mm += turn.cross(shift) / turn.squaredNorm();

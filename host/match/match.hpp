@@ -24,6 +24,7 @@ struct FaceIds {
 // What a person knows better than the search: pairs that must be, and pairs that must not be.
 struct PairRules {
   std::vector<FaceIds> fixed, forbidden;
+  std::string file;  // that they were read from: "fix" and "forbid" in errors
   bool empty() const { return fixed.empty() && forbidden.empty(); }
 };
 
@@ -72,8 +73,16 @@ struct MisplacedFeature {
 // What the pose rests on: planes where they determine it, otherwise all points against the model's surface.
 enum class MatchedBy { planes, surface };
 
+// How the scan's points lie about the surface, in a pose that they found.
+struct SurfaceFit {
+  std::string why;        // not by planes
+  double scatter_mm = 0;  // across the surface, standard deviation from the median of the absolute values
+  double explained = 0;   // share of the points within three of it, 0 to 1
+};
+
 struct Match {
   MatchedBy found_by = MatchedBy::planes;
+  SurfaceFit surface_fit;       // found by the surface only
   RigidTransform T_model_part;  // p_model = T_model_part * p_part
   Mat6 covariance =
       Mat6::Zero();  // left perturbation rx ry rz tx ty tz about the part's centroid, rad and mm

@@ -18,6 +18,9 @@ namespace {
 // The lists alone may prefer a wrong pose of a near-symmetric part by a small face or two.
 constexpr double kLetRaysDecide = 3 * kFaceCost;
 
+// Standard deviations that are no chance among the poses of a part.
+constexpr double kNoChance = 4;
+
 // A pose by planes that more of the rays contradict is looked at again by all points.
 constexpr double kTooMuchAgainst = 0.5;
 constexpr double kMostlyPlanes = 0.5;
@@ -25,26 +28,36 @@ constexpr double kMostlyPlanes = 0.5;
 constexpr double kFarOff = 4, kMostFarOff = 0.25;
 constexpr size_t kMostStarts = 24;
 
+// By how many standard deviations more rays contradict a pose than another. Only rays that contradict one of
+// the two count (McNemar, Psychometrika 12 (1947) 153): points on no face of the part (fixture, table) and on
+// features that are out of place in both say nothing about which.
+double more_against(const RayScore& score, const RayScore& than) {
+  double here = 0, there = 0;
+  for (size_t i = 0; i < score.sampled.size(); ++i) {
+    here += score.sampled[i].is_against && !than.sampled[i].is_against;
+    there += !score.sampled[i].is_against && than.sampled[i].is_against;
+  }
+  return (here - there) / std::sqrt(here + there + 4);
+}
+
 // Keeps the poses that the rays contradict no more than the best, and returns the others with what rules them
-// out; points on no face of the part (fixture, table) contradict all poses alike.
+// out.
 std::vector<RuledOutPose> keep_what_rays_allow(std::vector<RankedPose>& poses, const RayCaster& caster,
                                                const Scan& scan, double tolerance_mm) {
-  // Some 2,000 rays show a difference of one part in a hundred; with many poses to compare, fewer.
-  const size_t samples = std::clamp<size_t>(20000 / poses.size(), 300, 2000);
+  // Small features decide by their own few rays; with many poses to compare, fewer must do.
+  const size_t samples = std::clamp<size_t>(40000 / poses.size(), 300, 10000);
   std::vector<RayScore> scores;
   for (const RankedPose& pose : poses)
     scores.push_back(score_rays(caster, scan, pose.pose.T_model_part, samples, tolerance_mm));
   size_t best = 0;
   for (size_t k = 1; k < scores.size(); ++k)
     if (scores[k].against() < scores[best].against()) best = k;
-  const auto least = static_cast<double>(scores[best].against());
-  // Counts of rays near the tolerance scatter like a binomial; beyond four sigma it is no chance.
-  const double limit = least + 4 * std::sqrt(least + 4);
   const RigidTransform T_best = poses[best].pose.T_model_part;
   std::vector<RankedPose> kept;
   std::vector<RuledOutPose> ruled_out;
   for (size_t k = 0; k < poses.size(); ++k) {
-    if (static_cast<double>(scores[k].against()) <= limit) {
+    poses[k].doubt = more_against(scores[k], scores[best]);
+    if (poses[k].doubt <= kNoChance) {
       kept.push_back(std::move(poses[k]));
     } else if (ruled_out.size() < kMostRuledOut) {
       ruled_out.push_back(ruled_out_by_rays(poses[k].pose.T_model_part, scores[k], T_best, scores[best]));
@@ -137,6 +150,10 @@ Result<Match> match_scan(const Solid& solid, const RayCaster& caster, const Scan
   // the scatter that the fit itself found.
   const RayScore off =
       score_rays(caster, scan, surface->match.T_model_part, 600, kFarOff * surface->match.rms_mm);
+  surface->match.surface_fit.why = !planes ? "the planes found give no pose"
+                                   : planes->undetermined.empty()
+                                       ? "most rays contradict the pose that its planes give"
+                                       : "its planes leave directions free";
   if (static_cast<double>(off.against()) > kMostFarOff * static_cast<double>(off.rays)) return planes;
   if (!planes) return std::move(surface->match);
   // Where planes hold most of the points and are not contradicted, a direction they leave free is held by

@@ -39,13 +39,17 @@ struct Simulated {
   RigidTransform error;  // of the chosen pose
 };
 
-Simulated match_simulated(const Solid& model, size_t points, uint64_t seed) {
+const RigidTransform kPose{rotation_from_degrees(75, -35, 110), Vec3(-20, 40, 10)};
+
+// The part as made may differ from the model.
+Simulated match_simulated(const Solid& model, const Solid& part, size_t points, uint64_t seed,
+                          const RigidTransform& T_scan_model = kPose) {
   const RayCaster caster(model);
   SimulateOptions options;
   options.points = points;
   options.seed = seed;
-  options.T_scan_model = {rotation_from_degrees(75, -35, 110), Vec3(-20, 40, 10)};
-  Result<Scan> scan = simulate(model, caster, options);
+  options.T_scan_model = T_scan_model;
+  Result<Scan> scan = simulate(part, RayCaster(part), options);
   EXPECT_TRUE(scan.ok());
   Result<Reconstruction> reconstruction = reconstruct(*scan);
   EXPECT_TRUE(reconstruction.ok());
@@ -55,6 +59,10 @@ Simulated match_simulated(const Solid& model, size_t points, uint64_t seed) {
   EXPECT_TRUE(run.match.ok());
   if (run.match.ok()) run.error = run.match->T_model_part * options.T_scan_model;
   return run;
+}
+
+Simulated match_simulated(const Solid& model, size_t points, uint64_t seed) {
+  return match_simulated(model, model, points, seed);
 }
 
 TEST(MatchScan, ACubeHas24Poses) {
@@ -75,6 +83,27 @@ TEST(MatchScan, RaysTellWhereASmallPocketIs) {
     EXPECT_LT((run.error * model.centroid_mm - model.centroid_mm).norm(), 0.02) << seed;
     EXPECT_TRUE(run.match->unmatched_measured.empty());
     EXPECT_GE(run.match->pairs.size(), 7u);  // the pocket's walls have some 30 points each: found or not
+  }
+}
+
+TEST(MatchScan, APlateWithAllFourHolesOutOfPlaceIsNotTurnedOver) {
+  // Its planes fit in four poses, and in none do the holes: in the true one they still contradict least.
+  const auto plate = [](const std::vector<std::array<double, 3>>& holes) {
+    std::string csg = "difference() { cube(size = [80, 60, 12], center = false);\n";
+    for (const auto& [x, y, r] : holes)
+      csg += "multmatrix([[1, 0, 0, " + std::to_string(x) + "], [0, 1, 0, " + std::to_string(y) +
+             "], [0, 0, 1, -1], [0, 0, 0, 1]]) { cylinder($fn = 0, $fa = 12, $fs = 2, h = 14, r1 = " +
+             std::to_string(r) + ", r2 = " + std::to_string(r) + ", center = false); }\n";
+    return solid(csg + "}\n");
+  };
+  const Solid model = plate({{15, 12, 5}, {60, 15, 4}, {22, 45, 4}, {50, 40, 6}});
+  const Solid part = plate({{18, 14, 5}, {57, 17, 4}, {25, 43, 4}, {47, 42, 6}});
+  for (const Vec3& half_turn : {Vec3(0, 0, 0), Vec3(180, 0, 0), Vec3(0, 180, 0), Vec3(0, 0, 180)}) {
+    const RigidTransform T{rotation_from_degrees(half_turn.x() + 10, half_turn.y() + 5, half_turn.z() - 8),
+                           Vec3(5, 6, 7)};
+    const Simulated run = match_simulated(model, part, 12000, 3, T);
+    EXPECT_LT(rotation_angle(run.error.R), 0.02 * std::numbers::pi / 180) << half_turn.transpose();
+    EXPECT_TRUE(run.match->equivalents.empty());
   }
 }
 

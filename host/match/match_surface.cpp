@@ -7,13 +7,13 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 
 #include "host/match/fit_surface.hpp"
 #include "host/match/free_on_surface.hpp"
 #include "host/match/polish_on_surface.hpp"
 #include "host/match/rank_poses.hpp"
 #include "host/match/search_surface.hpp"
+#include "host/match/turn_text.hpp"
 
 namespace tetragauge {
 namespace {
@@ -23,6 +23,7 @@ constexpr size_t kPolishPoints = 1500;   // to choose among them
 constexpr size_t kFinalPoints = 30000;   // of the chosen one
 constexpr double kAlike_rad = 0.07;      // 4 degrees: one minimum found twice
 constexpr double kAlike = 0.015;         // of the model's size
+constexpr double kExplained = 3;         // in standard deviations of the points about the surface
 constexpr double kLeastOnSurface = 0.6;  // of the points, within the gate
 
 struct Candidate {
@@ -32,14 +33,10 @@ struct Candidate {
 };
 
 std::string why_equivalent(const RigidTransform& other, const RigidTransform& chosen, double more) {
-  const Eigen::AngleAxisd turn((other * chosen.inverse()).R);
-  std::array<char, 200> text{};
-  std::snprintf(text.data(), text.size(),
-                "the points on its surface do not tell it apart: turned by %.1f degrees about (%.3f, %.3f, "
-                "%.3f), misfit differs by %.1f (%.0f would decide)",
-                turn.angle() * 180 / std::numbers::pi, turn.axis().x() + 0.0, turn.axis().y() + 0.0,
-                turn.axis().z() + 0.0, more, kSameCost);
-  return text.data();
+  std::array<char, 80> text{};
+  std::snprintf(text.data(), text.size(), ", misfit differs by %.1f (%.0f would decide)", more, kSameCost);
+  return "the points on its surface do not tell it apart: " + turn_text((other * chosen.inverse()).R) +
+         text.data();
 }
 
 double share_within(const std::vector<RayResidual>& residuals, double limit_mm) {
@@ -96,13 +93,15 @@ Result<SurfaceMatch> match_surface(const Solid& model, const RayCaster& caster, 
     best = candidates.front().T_model_part;
   }
 
-  const PolishedPose chosen = polish_on_surface(problem, best, scatter, kFinalPoints, 12);
+  const PolishedPose near = polish_on_surface(problem, best, scatter, kFinalPoints, 6);
+  const PolishedPose chosen = polish_with_faces_out(problem, near.T_model_part, scatter, kFinalPoints, 12);
   if (share_within(ray_residuals(problem, chosen.T_model_part, kPolishPoints), options.max_offset_mm) <
       kLeastOnSurface)
     return undecided_error(
         "in no pose do the scan's points lie on the model's surface; is this the part's model, and are both "
         "in "
         "the same unit?");
+  const std::vector<RayResidual> residuals = ray_residuals(problem, chosen.T_model_part, kFinalPoints);
   const SurfaceFreedom freedom = free_on_surface(problem, chosen, scatter, kSameCost);
 
   SurfaceMatch out;
@@ -112,6 +111,8 @@ Result<SurfaceMatch> match_surface(const Solid& model, const RayCaster& caster, 
   match.centroid_mm = model.centroid_mm;
   match.covariance = freedom.covariance;
   match.rms_mm = chosen.rms_mm;
+  match.surface_fit.scatter_mm = scatter_about_surface(problem, residuals);
+  match.surface_fit.explained = share_within(residuals, kExplained * match.surface_fit.scatter_mm);
   match.max_offset_mm = options.max_offset_mm;
   match.poses_compared = candidates.size();
   pair_by_pose(model.list, measured, options, match);

@@ -6,7 +6,10 @@
 #include <fstream>
 #include <numbers>
 
+#include "host/match/free_on_surface.hpp"
 #include "host/match/match.hpp"
+#include "host/match/polish_on_surface.hpp"
+#include "host/match/rank_poses.hpp"
 #include "host/simulate/simulate.hpp"
 
 namespace tetragauge {
@@ -83,6 +86,31 @@ void expect_true_pose(const Simulated& run, const Vec3& centroid) {
 const RigidTransform kPoses[] = {{rotation_from_degrees(75, -35, 110), Vec3(-20, 40, 10)},
                                  {rotation_from_degrees(-160, 20, 15), Vec3(5, -60, 33)}};
 
+// A scan of the part as the fit to the model's surface sees it, with the true pose known.
+struct SurfaceProblemRun {
+  RigidTransform T_scan_model = kPoses[0];
+  Scan scan;
+  SurfaceProblem problem;
+  SurfaceScatter scatter;
+
+  SurfaceProblemRun(const Solid& part, const Solid& model, const RayCaster& caster, const RayCaster& of_part,
+                    uint64_t seed)
+      : scan(scan_of(part, of_part, seed)),
+        problem(surface_problem(model, caster, scan)),
+        scatter(surface_scatter(problem, ray_residuals(problem, T_scan_model.inverse(), 30000))) {}
+
+  static Scan scan_of(const Solid& part, const RayCaster& caster, uint64_t seed) {
+    SimulateOptions options;
+    options.points = 3000;
+    options.sigma_mm = 0.03;
+    options.seed = seed;
+    options.T_scan_model = kPoses[0];
+    Result<Scan> scan = simulate(part, caster, options);
+    EXPECT_TRUE(scan.ok());
+    return std::move(scan).value();
+  }
+};
+
 TEST(MatchSurface, ACappedCylinderWithABossSeenFromOneSide) {
   const Solid model =
       solid("union() {\n" + post(0, 0, 50, 20, 20) + ball(0, 0, 50, 20) + ball(14, 6, 62, 9) + "}\n");
@@ -93,6 +121,75 @@ TEST(MatchSurface, ACappedCylinderWithABossSeenFromOneSide) {
     EXPECT_TRUE(run.match->undetermined.empty());
     EXPECT_TRUE(run.match->equivalents.empty());
   }
+}
+
+std::string turned_block(const std::string& block, double x, double y, double z) {
+  return "multmatrix([[1, 0, 0, " + std::to_string(x) + "], [0, 1, 0, " + std::to_string(y) +
+         "], [0, 0, 1, " + std::to_string(z) + "], [0, 0, 0, 1]]) { " + block + " }\n";
+}
+
+TEST(MatchSurface, AConeWithAFlatIsHeldByBoth) {
+  // The flat alone says how the cone is turned, and only the cone where it is along the flat.
+  const Solid model = solid("difference() {\n" + post(0, 0, 45, 22, 10) +
+                            turned_block("cube(size = [20, 60, 60], center = false);", 13, -30, -5) + "}\n");
+  const Simulated run =
+      match_seen_from(model, {Vec3(1, 0.5, 0.6).normalized(), Vec3(-0.4, 1, 0.3).normalized()}, kPoses[1], 3);
+  expect_true_pose(run, model.centroid_mm);
+  EXPECT_TRUE(run.match->undetermined.empty());
+  EXPECT_TRUE(run.match->equivalents.empty());
+  EXPECT_EQ(run.match->found_by, MatchedBy::surface);
+  EXPECT_EQ(run.match->surface_fit.why, "its planes leave directions free");
+  // Simulated noise is 0.05 mm along rays that meet the surface at up to 80 degrees.
+  EXPECT_LT(run.match->surface_fit.scatter_mm, 0.05);
+  EXPECT_GT(run.match->surface_fit.scatter_mm, 0.02);
+  EXPECT_GT(run.match->surface_fit.explained, 0.97);
+}
+
+TEST(MatchSurface, ABallTooLargeHoldsThePartByItsCentre) {
+  // A turned part whose turn only a ball at its side holds; of the real part that ball is 0.1 mm too large.
+  const auto knob = [](double r) {
+    return solid(
+        "union() {\n" + post(0, 0, 30, 20, 20) +
+        turned_block("cylinder($fn = 0, $fa = 12, $fs = 2, h = 25, r1 = 20, r2 = 9, center = false);", 0, 0,
+                     30) +
+        ball(17, 0, 17, r) + "}\n");
+  };
+  const Solid model = knob(12), part = knob(12.1);
+  const RayCaster caster(model), of_part(part);
+  const SurfaceProblemRun run(part, model, caster, of_part, 2);
+  // Turned by 8 mrad, one side of the ball lies where the model's does: there a fit that takes points one by
+  // one stays.
+  Vec6 turn = Vec6::Zero();
+  turn[2] = 0.008;
+  const PolishedPose found = polish_with_faces_out(
+      run.problem, nudged(run.T_scan_model.inverse(), turn, model.centroid_mm), run.scatter, 30000, 18);
+  const RigidTransform error = found.T_model_part * run.T_scan_model;
+  EXPECT_LT(rotation_angle(error.R), 0.001);
+  EXPECT_LT((error * model.centroid_mm - model.centroid_mm).norm(), 0.01);
+}
+
+// The oracle is the scatter of 40 poses about the truth, each in units of the covariance that it states: the
+// sum of 240 squares has a chi-square distribution.
+TEST(MatchSurface, PosesScatterNoMoreThanTheirCovariancesSay) {
+  const Solid model =
+      solid("union() {\n" + post(0, 0, 50, 20, 20) + ball(0, 0, 50, 20) + ball(14, 6, 62, 9) + "}\n");
+  const RayCaster caster(model);
+  double chi2 = 0;
+  for (uint64_t seed = 1; seed <= 40; ++seed) {
+    const SurfaceProblemRun run(model, model, caster, caster, seed);
+    const PolishedPose found =
+        polish_with_faces_out(run.problem, run.T_scan_model.inverse(), run.scatter, 30000, 12);
+    const SurfaceFreedom freedom = free_on_surface(run.problem, found, run.scatter, kSameCost);
+    ASSERT_TRUE(freedom.undetermined.empty());
+    const RigidTransform error = found.T_model_part * run.T_scan_model;
+    const Eigen::AngleAxisd turn(error.R);
+    Vec6 e;
+    e << turn.angle() * turn.axis(), error * model.centroid_mm - model.centroid_mm;
+    chi2 += e.dot(freedom.covariance.ldlt().solve(e));
+  }
+  // One in a thousand lies above (Wilson and Hilferty, PNAS 17 (1931) 684). Below is on the safe side: of
+  // points that err together the covariance counts too many rather than too few.
+  EXPECT_LT(chi2, 314);
 }
 
 TEST(MatchSurface, ARoundPartsAxisStaysFree) {

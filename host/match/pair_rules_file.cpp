@@ -43,6 +43,7 @@ Result<PairRules> read_pair_rules(const std::filesystem::path& path) {
   if (!json->is_object())
     return bad_input(name + ": expected {\"fix\": [[model, measured], ...], \"forbid\": [...]}");
   PairRules rules;
+  rules.file = name;
   for (const auto& [key, value] : json->items()) {
     const std::string place = name + ": " + key;
     if (key != kKeys[0] && key != kKeys[1])

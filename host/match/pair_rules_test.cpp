@@ -67,12 +67,18 @@ TEST(PairRules, RulesThatCannotHoldAreErrors) {
   MatchOptions options;
   options.rules.fixed = {{1, 1}, {5, 2}};  // bottom and left side cannot be each other's
   EXPECT_FALSE(match_face_lists(model, model, options).ok());
-  for (const PairRules& wrong :
-       {PairRules{{{99, 1}}, {}}, PairRules{{{1, 1}, {2, 1}}, {}}, PairRules{{{1, 1}}, {{1, 1}}}}) {
+  const std::pair<PairRules, const char*> bad[] = {
+      {{{{1, 1}, {99, 1}}, {}, "mine.json"}, "mine.json: fix[1] names model face 99,"},
+      {{{}, {{1, 1}, {2, 2}, {3, 98}}, "mine.json"}, "mine.json: forbid[2] names measured face 98,"},
+      {{{{1, 99}}, {}, ""}, "fix[0] names measured face 99,"},
+      {{{{3, 3}, {1, 1}, {2, 1}}, {}, "mine.json"}, "mine.json: fix[2] fixes measured face 1 to a second"},
+      {{{{1, 1}}, {{1, 2}, {1, 1}}, "mine.json"}, "mine.json: forbid[1] forbids model face 1 with"}};
+  for (const auto& [wrong, says] : bad) {
     options.rules = wrong;
     const Result<Match> match = match_face_lists(model, model, options);
     ASSERT_FALSE(match.ok());
     EXPECT_EQ(match.error().kind, ErrorKind::bad_input);
+    EXPECT_EQ(match.error().message.find(says), 0u) << match.error().message;
     ProcrustesOptions how;
     how.rules = wrong;
     EXPECT_FALSE(match_procrustes(model, model, how).ok());
@@ -101,6 +107,7 @@ TEST(PairRules, TheFileSaysWhatIsWrong) {
   };
   const Result<PairRules> rules = read(R"({"fix": [[1, 2], [3, 4]], "forbid": [[5, 6]]})");
   ASSERT_TRUE(rules.ok());
+  EXPECT_EQ(rules->file, path.string());
   EXPECT_EQ(rules->fixed, (std::vector<FaceIds>{{1, 2}, {3, 4}}));
   EXPECT_EQ(rules->forbidden, (std::vector<FaceIds>{{5, 6}}));
   const std::pair<const char*, const char*> bad[] = {{R"({"fixed": []})", "did you mean fix"},

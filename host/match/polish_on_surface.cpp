@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
 
 namespace tetragauge {
@@ -15,7 +16,15 @@ constexpr double kMostSurprise = 9;   // three standard deviations, squared
 constexpr double kTukey = 4.685;      // 95 % efficient (Holland and Welsch, Commun. Stat. A6 (1977) 813)
 constexpr double kFromMedian = 1.4826;  // standard deviation from a median of absolute values
 constexpr size_t kCostPoints = 1500, kCostSamples = 800;
-constexpr int kBlocks = 8;  // along the model's size: waves within such a block err together
+constexpr double kLeastOfFace = 30;  // points, to tell whether it is out of place
+constexpr int kBlocks = 8;           // along the model's size: waves within such a block err together
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
 
 }  // namespace
 
@@ -40,7 +49,7 @@ std::vector<RayResidual> ray_residuals(const SurfaceProblem& problem, const Rigi
       const double across = sample->normal.dot(error);
       const double along = (error - across * sample->normal).norm();
       if (along < 1.5 * problem.model_spacing_mm) {
-        out = {true, across, 0, p, sample->normal};
+        out = {true, across, 0, p, sample->normal, -1};
         distance = std::abs(across);
       }
     }
@@ -51,7 +60,7 @@ std::vector<RayResidual> ray_residuals(const SurfaceProblem& problem, const Rigi
       // The hit is exact where the sample is not; it is left only where the ray meets something else.
       if (std::abs(across) < distance + 0.25 * problem.model_spacing_mm &&
           std::abs(hit->distance_mm - before) < 3 * problem.model_spacing_mm + 4 * std::abs(across))
-        out = {true, across, 0, p, hit->normal};
+        out = {true, across, 0, p, hit->normal, hit->face};
     }
     if (!out.near) continue;
     const double cosine = std::max(kLeastCosine, std::abs(out.normal.dot(towards)));
@@ -60,20 +69,18 @@ std::vector<RayResidual> ray_residuals(const SurfaceProblem& problem, const Rigi
   return residuals;
 }
 
+double scatter_about_surface(const SurfaceProblem& problem, const std::vector<RayResidual>& residuals) {
+  std::vector<double> offsets;
+  for (const RayResidual& r : residuals) offsets.push_back(r.near ? std::abs(r.offset_mm) : problem.size_mm);
+  return kFromMedian * median(std::move(offsets));
+}
+
 SurfaceScatter surface_scatter(const SurfaceProblem& problem, const std::vector<RayResidual>& residuals) {
   SurfaceScatter scatter;
-  std::vector<double> offsets, own;
-  for (const RayResidual& r : residuals) {
-    offsets.push_back(r.near ? std::abs(r.offset_mm) : problem.size_mm);
-    own.push_back(r.variance_mm2);
-  }
-  if (offsets.empty()) return scatter;
-  const auto median = [](std::vector<double>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-  };
-  const double all = kFromMedian * median(offsets), sensor = median(own);
+  if (residuals.empty()) return scatter;
+  std::vector<double> own;
+  for (const RayResidual& r : residuals) own.push_back(r.variance_mm2);
+  const double all = scatter_about_surface(problem, residuals), sensor = median(std::move(own));
   scatter.scatter_mm = std::sqrt(std::max(1e-10 * problem.size_mm * problem.size_mm, all * all - sensor));
 
   // Sums over blocks scatter more than independent points' would by the number that err together (batch
@@ -130,9 +137,36 @@ double surface_cost(const SurfaceProblem& problem, const RigidTransform& T, cons
   return std::accumulate(costs.begin(), costs.end(), 0.0);
 }
 
-PolishedPose polish_on_surface(const SurfaceProblem& problem, const RigidTransform& start,
-                               const SurfaceScatter& scatter, size_t points, int iterations,
-                               const Vec6& held) {
+namespace {
+
+// By how much each face as a whole lies off its place, as far as that is no chance.
+std::map<int, double> faces_out(const std::vector<RayResidual>& residuals, const SurfaceScatter& scatter) {
+  std::map<int, std::vector<double>> offsets;
+  std::map<int, double> variance;
+  for (const RayResidual& r : residuals) {
+    if (!r.near || r.face < 0) continue;
+    offsets[r.face].push_back(r.offset_mm);
+    variance[r.face] += r.variance_mm2 + scatter.scatter_mm * scatter.scatter_mm;
+  }
+  std::map<int, double> out;
+  for (auto& [face, of_face] : offsets) {
+    const auto count = static_cast<double>(of_face.size());
+    if (count < kLeastOfFace) continue;
+    // A median of normal errors scatters pi / 2 times as much, squared, as their mean.
+    const double chance = 0.5 * std::numbers::pi * scatter.together * variance[face] / (count * count);
+    const double off = median(std::move(of_face));
+    if (off * off > kMostSurprise * chance) out[face] = off;
+  }
+  return out;
+}
+
+struct Sums {
+  Vec6 row = Vec6::Zero();
+  double weight = 0, offset = 0;
+};
+
+PolishedPose polish(const SurfaceProblem& problem, const RigidTransform& start, const SurfaceScatter& scatter,
+                    size_t points, int iterations, const Vec6& held, bool with_faces_out) {
   PolishedPose out{start};
   const Vec3& pivot = problem.pivot_mm;
   const double arm_mm = 0.3 * problem.size_mm, added = scatter.scatter_mm * scatter.scatter_mm;
@@ -144,17 +178,34 @@ PolishedPose polish_on_surface(const SurfaceProblem& problem, const RigidTransfo
     Mat6 matrix = Mat6::Zero();
     Vec6 right = Vec6::Zero();
     double squares = 0, used = 0;
-    for (const RayResidual& r : ray_residuals(problem, out.T_model_part, points)) {
+    const std::vector<RayResidual> residuals = ray_residuals(problem, out.T_model_part, points);
+    const std::map<int, double> off =
+        with_faces_out ? faces_out(residuals, scatter) : std::map<int, double>{};
+    std::map<int, Sums> grown;
+    for (const RayResidual& r : residuals) {
       if (!r.near) continue;
-      const double square = r.offset_mm * r.offset_mm / (r.variance_mm2 + added) / (kTukey * kTukey);
+      const auto face = off.find(r.face);
+      const double rest = r.offset_mm - (face == off.end() ? 0 : face->second);
+      const double square = rest * rest / (r.variance_mm2 + added) / (kTukey * kTukey);
       if (square >= 1) continue;
       const double weight = (1 - square) * (1 - square) / (r.variance_mm2 + added);
       Vec6 row;
       row << (r.point_mm - pivot).cross(r.normal), r.normal;
       matrix += weight * row * row.transpose();
       right -= weight * r.offset_mm * row;
-      squares += r.offset_mm * r.offset_mm;
+      squares += rest * rest;
       used += 1;
+      if (face == off.end()) continue;
+      Sums& sums = grown[r.face];
+      sums.row += weight * row;
+      sums.weight += weight;
+      sums.offset += weight * r.offset_mm;
+    }
+    // The growth of each, known beforehand to be about that large, is solved for and left out (Schur).
+    for (const auto& [face, sums] : grown) {
+      const double pivot_weight = sums.weight + scatter.together / (off.at(face) * off.at(face));
+      matrix -= sums.row * sums.row.transpose() / pivot_weight;
+      right += sums.offset / pivot_weight * sums.row;
     }
     out.information = matrix / scatter.together;
     out.rms_mm = used > 0 ? std::sqrt(squares / used) : 0;
@@ -171,6 +222,19 @@ PolishedPose polish_on_surface(const SurfaceProblem& problem, const RigidTransfo
     }
   }
   return out;
+}
+
+}  // namespace
+
+PolishedPose polish_on_surface(const SurfaceProblem& problem, const RigidTransform& start,
+                               const SurfaceScatter& scatter, size_t points, int iterations,
+                               const Vec6& held) {
+  return polish(problem, start, scatter, points, iterations, held, false);
+}
+
+PolishedPose polish_with_faces_out(const SurfaceProblem& problem, const RigidTransform& start,
+                                   const SurfaceScatter& scatter, size_t points, int iterations) {
+  return polish(problem, start, scatter, points, iterations, Vec6::Zero(), true);
 }
 
 }  // namespace tetragauge

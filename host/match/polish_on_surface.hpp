@@ -15,10 +15,14 @@ struct RayResidual {
   double offset_mm = 0;                                 // across the surface, + = outside
   double variance_mm2 = 0;                              // of the offset, by the sensor's own sigma
   Vec3 point_mm = Vec3::Zero(), normal = Vec3::Zero();  // measured point, surface normal, model frame
+  int face = -1;                                        // index of the model's; -1: near an edge
 };
 
 // Of the first `points` of the scan. A ray that passes the model's edge is measured to the nearest sample.
 std::vector<RayResidual> ray_residuals(const SurfaceProblem& problem, const RigidTransform& T, size_t points);
+
+// Across the surface: standard deviation from the median, which stray points do not move.
+double scatter_about_surface(const SurfaceProblem& problem, const std::vector<RayResidual>& residuals);
 
 // How points scatter about the surface beyond their own sigma, and how many of them err together, as those of
 // one wave of a camera's depth do: so many count as one.
@@ -47,6 +51,11 @@ struct PolishedPose {
 PolishedPose polish_on_surface(const SurfaceProblem& problem, const RigidTransform& start,
                                const SurfaceScatter& scatter, size_t points, int iterations,
                                const Vec6& held = Vec6::Zero());
+
+// The same, but a face whose points lie off their place together may have grown or shrunk by about that: a
+// ball too large by 0.1 mm holds the part by its centre, a plane out of place hardly at all.
+PolishedPose polish_with_faces_out(const SurfaceProblem& problem, const RigidTransform& start,
+                                   const SurfaceScatter& scatter, size_t points, int iterations);
 
 // A small turn and shift about the pivot, model frame.
 RigidTransform nudged(const RigidTransform& T, const Vec6& step, const Vec3& pivot_mm);

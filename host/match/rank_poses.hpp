@@ -15,7 +15,8 @@ inline constexpr size_t kMostRuledOut = 4;
 struct RankedPose {
   RefinedPose pose;
   std::vector<PlanePair> pairs;
-  double cost = 0;  // sum of face_costs, all poses with the same scatter
+  double cost = 0;   // sum of face_costs, all poses with the same scatter
+  double doubt = 0;  // standard deviations by which more rays contradict it than the best
 };
 
 struct RankedPoses {

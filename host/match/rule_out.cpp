@@ -5,7 +5,8 @@
 #include <array>
 #include <cstdio>
 #include <map>
-#include <numbers>
+
+#include "host/match/turn_text.hpp"
 
 namespace tetragauge {
 namespace {
@@ -17,13 +18,6 @@ std::string text(const char* format, auto... values) {
   std::array<char, 200> line{};
   std::snprintf(line.data(), line.size(), format, values...);
   return line.data();
-}
-
-std::string turn_text(const RigidTransform& other, const RigidTransform& chosen) {
-  const RigidTransform motion = other * chosen.inverse();
-  const Eigen::AngleAxisd turn(motion.R);
-  return text("turned by %.1f degrees about (%.3f, %.3f, %.3f)", turn.angle() * 180 / std::numbers::pi,
-              turn.axis().x() + 0.0, turn.axis().y() + 0.0, turn.axis().z() + 0.0);
 }
 
 const PlanePair* pair_of(const RankedPose& pose, size_t measured) {
@@ -50,7 +44,7 @@ RuledOutPose ruled_out_by_faces(const MatchInput& input, const RankedPoses& rank
 
   RuledOutPose out;
   out.T_model_part = rival.pose.T_model_part;
-  out.why = turn_text(rival.pose.T_model_part, best.pose.T_model_part) +
+  out.why = motion_text(rival.pose.T_model_part * best.pose.T_model_part.inverse()) +
             text(", misfit %.0f more (%.0f decides):", rival.cost - best.cost, kSameCost);
   for (const size_t j : deciding) {
     const PlanePair here = *pair_of(best, j);
@@ -97,7 +91,7 @@ RuledOutPose ruled_out_by_rays(const RigidTransform& T_model_part, const RayScor
 
   RuledOutPose out;
   out.T_model_part = T_model_part;
-  out.why = turn_text(T_model_part, T_model_part_best) +
+  out.why = motion_text(T_model_part * T_model_part_best.inverse()) +
             text(", %zu of %zu rays go through material or end in the air (%zu as chosen):", rival.against(),
                  rival.rays, best.against());
   for (const auto& [face, tally] : faces) {

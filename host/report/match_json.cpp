@@ -59,6 +59,13 @@ ordered_json match_json(const Match& match, const std::string& method) {
   const RigidTransform& T = match.T_model_part;
   ordered_json json;
   json["method"] = method;
+  const bool by_surface = match.found_by == MatchedBy::surface;
+  json["found_by"] = by_surface ? "surface" : "planes";
+  if (by_surface) {
+    json["surface_fit"] = {{"why", match.surface_fit.why},
+                           {"scatter_mm", json_number(match.surface_fit.scatter_mm)},
+                           {"explained", json_number(match.surface_fit.explained)}};
+  }
   json["pose"] = {{"rotation", json_matrix(T.R)},
                   {"translation_mm", json_matrix(T.t)},
                   {"covariance", json_matrix(match.covariance)},

@@ -14,6 +14,7 @@
 #include "host/inspect/decide.hpp"
 #include "host/report/deviation_ply.hpp"
 #include "host/report/json_values.hpp"
+#include "host/report/page/page_sections.hpp"
 #include "host/report/terminal_text.hpp"
 
 namespace tetragauge {
@@ -130,6 +131,23 @@ TEST(Report, JsonKeepsToItsSchema) {
                    .c_str()) == 0;
   };
   EXPECT_TRUE(validates(out / "report.json"));
+  // A pose by the surface says how, and only that does.
+  Made by_surface;
+  Match& match = by_surface.run.set_ups[0].match;
+  match.found_by = MatchedBy::surface;
+  match.surface_fit = {"its planes leave directions free", 0.0512, 0.983};
+  ASSERT_TRUE(write_report(out, by_surface.report()).ok());
+  EXPECT_TRUE(validates(out / "report.json"));
+  nlohmann::ordered_json found = nlohmann::ordered_json::parse(*read_whole_file(out / "report.json"));
+  EXPECT_EQ(found["surface_fit"]["explained"], 0.983);
+  found["found_by"] = "planes";
+  std::ofstream(out / "wrong.json") << found.dump();
+  EXPECT_FALSE(validates(out / "wrong.json"));
+  found["found_by"] = "surface";
+  found.erase("surface_fit");
+  std::ofstream(out / "wrong.json") << found.dump();
+  EXPECT_FALSE(validates(out / "wrong.json"));
+  ASSERT_TRUE(write_report(out, made.report()).ok());
   // The check can fail: an unknown key, and a wrong type.
   Result<std::string> text = read_whole_file(out / "report.json");
   ASSERT_TRUE(text.ok());
@@ -189,6 +207,34 @@ TEST(Report, TextSaysTheVerdictFirstAndFits100Columns) {
   EXPECT_EQ(first_line().substr(0, 5), "PASS:");
   made.run.inspection.verdict = Verdict::none;
   EXPECT_EQ(first_line().substr(0, 11), "NO VERDICT:");
+}
+
+TEST(Report, TextAndPageSayWhichWayThePoseWasFound) {
+  Made made;
+  const std::string planes = report_text(made.report());
+  EXPECT_NE(planes.find("\n  found by: its planes, 1 of 2 paired faces, rms 0.0000 mm\n"), std::string::npos);
+  Match& match = made.run.set_ups[0].match;
+  match.found_by = MatchedBy::surface;
+  match.surface_fit = {"its planes leave directions free", 0.0512, 0.9834};
+  const std::string surface = report_text(made.report());
+  EXPECT_EQ(surface.find("its planes, 1 of 2"), std::string::npos);
+  EXPECT_NE(surface.find("found by: all points against the model's whole surface, since its planes leave "),
+            std::string::npos);
+  EXPECT_NE(surface.find("98.3"), std::string::npos);
+  EXPECT_NE(surface.find("0.0512"), std::string::npos);
+  const nlohmann::ordered_json json = report_json(made.report());
+  EXPECT_EQ(json["found_by"], "surface");
+  EXPECT_NE(pose_section(json).find("98.3 % of the points lie on it, scatter 0.0512 mm"), std::string::npos);
+}
+
+TEST(Report, NoZeroHasASignInText) {
+  Made made;
+  Match& match = made.run.set_ups[0].match;
+  match.T_model_part.t = Vec3(-1e-9, 1, -2);
+  match.undetermined[0].axis = Vec3(-1e-9, 1, -1e-9);
+  const std::string text = report_text(made.report());
+  EXPECT_NE(text.find("t = (0.0000, 1.0000, -2.0000) mm"), std::string::npos);
+  EXPECT_NE(text.find("translation along (0.0000, 1.0000, 0.0000)\n"), std::string::npos);
 }
 
 TEST(Report, TheTerminalEndsWithTheVerdictAndThePage) {

@@ -3,8 +3,8 @@
 // line is longer than 100 columns.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "host/match/turn_text.hpp"
 #include "host/report/print_text.hpp"
 #include "host/report/report.hpp"
 #include "host/report/text_tables.hpp"
@@ -31,29 +31,37 @@ std::string alignment_lines(const Inspection& inspection) {
   return wrapped(text);
 }
 
+std::string found_by_lines(const Match& match) {
+  if (match.found_by == MatchedBy::surface)
+    return wrapped("  found by: all points against the model's whole surface, since " +
+                   match.surface_fit.why +
+                   print("; %.1f %% of the points lie on it, scatter %.4f mm",
+                         100 * match.surface_fit.explained, match.surface_fit.scatter_mm));
+  const auto used =
+      std::count_if(match.pairs.begin(), match.pairs.end(), [](const FacePair& p) { return p.used_in_pose; });
+  return print("  found by: its planes, %td of %zu paired faces, rms %.4f mm\n", used, match.pairs.size(),
+               match.rms_mm);
+}
+
 std::string pose_lines(const Match& match) {
   const Vec3 deg = degrees_from_rotation(match.T_model_part.R);
-  const Vec3& t = match.T_model_part.t;
-  std::string out =
-      wrapped(print("pose (model from part): Rz(%.4f) Ry(%.4f) Rx(%.4f) degrees, t = (%.4f, %.4f, %.4f) mm",
-                    deg.z() + 0.0, deg.y() + 0.0, deg.x() + 0.0, t.x() + 0.0, t.y() + 0.0, t.z() + 0.0));
+  std::string out = wrapped("pose (model from part): Rz(" + number_text(deg.z(), 4) + ") Ry(" +
+                            number_text(deg.y(), 4) + ") Rx(" + number_text(deg.x(), 4) +
+                            ") degrees, t = " + vector_text(match.T_model_part.t, 4) + " mm");
   const Vec3 turn = match.covariance.diagonal().head<3>().cwiseMax(0.0).cwiseSqrt() * 1e3;
   const Vec3 shift = match.covariance.diagonal().tail<3>().cwiseMax(0.0).cwiseSqrt();
   out += print("  standard uncertainty at the part's centroid: %.4f %.4f %.4f mrad, %.4f %.4f %.4f mm\n",
                turn.x(), turn.y(), turn.z(), shift.x(), shift.y(), shift.z());
-  const size_t used = static_cast<size_t>(std::count_if(match.pairs.begin(), match.pairs.end(),
-                                                        [](const FacePair& p) { return p.used_in_pose; }));
-  out += print("  matched by %zu of %zu paired faces, rms %.4f mm\n", used, match.pairs.size(), match.rms_mm);
+  out += found_by_lines(match);
   if (!match.equivalents.empty()) {
     out += print("%zu more pose%s the data cannot tell from this one, the first:\n", match.equivalents.size(),
                  match.equivalents.size() == 1 ? "" : "s");
     out += wrapped("  " + match.equivalents.front().why);
   }
   for (const FreeDirection& free : match.undetermined) {
-    out += print("undetermined: %s %s (%.4f, %.4f, %.4f)\n",
-                 free.kind == FreeDirection::Kind::translation ? "translation along" : "rotation about",
-                 free.kind == FreeDirection::Kind::translation ? "" : "the axis", free.axis.x() + 0.0,
-                 free.axis.y() + 0.0, free.axis.z() + 0.0);
+    const bool shift = free.kind == FreeDirection::Kind::translation;
+    out += std::string("undetermined: ") + (shift ? "translation along " : "rotation about the axis ") +
+           vector_text(free.axis, 4) + "\n";
   }
   return out;
 }
@@ -103,11 +111,10 @@ std::string remarks(const Report& report) {
     if (!face.reason.empty()) out += wrapped(print("face %d: ", face.model_id) + face.reason);
   for (const MaterialFault& fault : inspection.material_faults) out += wrapped(material_sentence(fault));
   for (const ExtraFace& extra : inspection.extra_faces) {
-    const Vec3& at = extra.face.point_mm;
-    out += wrapped(print("extra face (%s, %.1f mm2) at (%.2f, %.2f, %.2f) mm in the model's frame%s",
-                         std::string(surface_type_name(extra.face.type)).c_str(), extra.face.area_mm2,
-                         at.x() + 0.0, at.y() + 0.0, at.z() + 0.0,
-                         extra.out_of_tolerance ? ", out of tolerance" : ""));
+    out += wrapped(print("extra face (%s, %.1f mm2) at ",
+                         std::string(surface_type_name(extra.face.type)).c_str(), extra.face.area_mm2) +
+                   vector_text(extra.face.point_mm, 2) + " mm in the model's frame" +
+                   (extra.out_of_tolerance ? ", out of tolerance" : ""));
   }
   return out;
 }

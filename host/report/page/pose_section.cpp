@@ -28,6 +28,17 @@ std::string vector_text(const ordered_json& v, int decimals, const char* unit) {
          html_number(v[2], decimals) + ")" + unit;
 }
 
+std::string found_by(const ordered_json& json) {
+  if (json["found_by"] == "surface") {
+    const ordered_json& fit = json["surface_fit"];
+    return "Found by all points against the model's whole surface, since " +
+           html_text(std::string(fit["why"])) + ": " + html_number(100 * fit["explained"].get<double>(), 1) +
+           " % of the points lie on it, scatter " + html_number(fit["scatter_mm"], 4) + " mm.";
+  }
+  return "Found by its planes: rms " + html_number(json["pose"]["rms_mm"], 4) + " mm over " +
+         html_number(json["pairs"].size(), 0) + " paired faces.";
+}
+
 }  // namespace
 
 std::string pose_section(const ordered_json& json) {
@@ -35,9 +46,7 @@ std::string pose_section(const ordered_json& json) {
   std::string out = "<section id=\"pose\"><h2>Pose</h2>\n<p>" + held_by(json["alignment"]) + "</p>\n";
   out += "<p>Model from part: R<sub>z</sub>(" + html_number(turn["z"], 4) + "°) R<sub>y</sub>(" +
          html_number(turn["y"], 4) + "°) R<sub>x</sub>(" + html_number(turn["x"], 4) +
-         "°), t = " + vector_text(pose["translation_mm"], 4, " mm") + "; rms " +
-         html_number(pose["rms_mm"], 4) + " mm over " + html_number(json["pairs"].size(), 0) +
-         " paired faces.</p>\n";
+         "°), t = " + vector_text(pose["translation_mm"], 4, " mm") + ". " + found_by(json) + "</p>\n";
   for (const ordered_json& free : json["undetermined"]) {
     const bool shift = free["kind"] == "translation";
     out += std::string("<p class=\"warning\">Undetermined: ") +
