@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "host/hello/bench_actions.hpp"
 #include "host/link/link.hpp"
 #include "protocol/state_name.hpp"
 
@@ -21,6 +22,7 @@ struct Options {
   int baud = TransportOptions{}.baud;
   int rounds = 0, patience_s = static_cast<int>(LinkOptions{}.silence.count() / 1000);
   bool json = false, bootloader = false;
+  BenchActions actions;
 };
 
 const char* name_of(tg_SelfTestCheck check) {
@@ -127,8 +129,15 @@ int run(const Options& options) {
     auto done = (*link)->request(message);
     return done ? 0 : fail(done.error());
   }
+  if (options.actions.any()) {
+    if (Status done = run_actions(**link, options.actions); !done) return fail(done.error());
+  }
   auto status = (*link)->status();
   if (!status) return fail(status.error());
+  if (options.actions.any()) {
+    std::printf("state %s, inputs %u\n", state_name(status->state), status->inputs);
+    return status->fault == tg_FaultCode_FAULT_NONE ? 0 : 1;
+  }
   message.which_body = tg_HostMessage_self_test_tag;
   auto test = (*link)->request(message);
   if (!test) return fail(test.error());
@@ -168,6 +177,16 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 3600))
       ->capture_default_str();
   app.add_flag("--json", options.json, "as JSON");
+  tetragauge::BenchActions& act = options.actions;
+  app.add_flag("--home", act.home, "finds the zero of both axes");
+  app.add_option("--table", act.table_deg, "turns the table by so many degrees");
+  app.add_option("--slide", act.slide_mm, "drives the slide up by so many mm");
+  app.add_option("--mirrors", act.mirrors_urad,
+                 "swings both mirrors to these angles, urad, and leaves them there")
+      ->delimiter(',')
+      ->type_name("A,B");
+  app.add_option("--laser", act.laser_s, "after --home: the laser on for so many seconds")
+      ->check(CLI::Range(0.1, 600.0));
   app.add_flag("--bootloader", options.bootloader, "into the chip's bootloader, for flashing");
   try {
     app.parse(argc, argv);

@@ -36,6 +36,12 @@ class Relay(threading.Thread):
         self.to_machine = 0
 
     def run(self):
+        try:
+            self.pass_on()
+        except BrokenPipeError:
+            pass  # the one that spoke last has gone
+
+    def pass_on(self):
         host, _ = self.listener.accept()
         machine = socket.socket(socket.AF_UNIX)
         machine.connect(self.machine)

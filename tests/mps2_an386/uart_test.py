@@ -7,6 +7,7 @@ import json
 import os
 import re
 import shutil
+import subprocess
 import sys
 import unittest
 
@@ -29,6 +30,17 @@ class Uart(cl.CommandLineTest):
             version = re.search(r'kFirmwareVersion = "([^"]+)"', file.read())[1]
         self.assertEqual((said['board'], said['firmware_version'], said['state']), ('mps2_an386', version, 'IDLE'))
         self.assertEqual(said['round_trip']['rounds'], 50)
+
+    def test_one_thing_at_a_time(self):
+        """As on a workbench: what is refused is said, what is done ends in a state."""
+        with SerialQemu('mps2-an386', IMAGE, *OPTIONS) as machine:
+            for actions, code, says in ((['--laser', '1'], 4, 'refuses (state IDLE)'), (['--table', '5', '--slide', '2'], 0, 'state IDLE, inputs 7'),
+                                        (['--home', '--mirrors', '100000,-50000', '--laser', '1'], 0, 'state READY, inputs 7'),
+                                        (['--mirrors', '900000,0'], 4, "beyond the mirrors' limit")):
+                done = subprocess.run([os.path.join(cl.BIN, 'tetragauge-hello'), '--port', machine.port, '--patience', str(PATIENCE_S), *actions],
+                                      capture_output=True, text=True, timeout=PATIENCE_S, check=False)
+                self.assertEqual(done.returncode, code, done.stderr)
+                self.assertIn(says, done.stdout + done.stderr)
 
     def test_a_scan_streams(self):
         self.write('plan.json', PLAN)
