@@ -9,6 +9,10 @@ namespace tetragauge::cli {
 void MachineArguments::add(CLI::App& command) {
   auto* port_option =
       command.add_option("--port", port, "Machine: /dev/ttyX, unix:PATH or tcp:HOST:PORT")->type_name("DEV");
+  command.add_option("--baud", baud, kBaudHelp)
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str()
+      ->needs(port_option);
   command.add_option("--emulated", emulated.part, "Emulated machine: model of the part as really made")
       ->type_name("PART")
       ->excludes(port_option);
@@ -65,7 +69,7 @@ Result<OpenMachine> MachineArguments::open() const {
     machine.emulated = std::move(*started);
     device = machine.emulated->device();
   }
-  Result<std::unique_ptr<Transport>> transport = open_transport(device);
+  Result<std::unique_ptr<Transport>> transport = open_transport(device, {.baud = baud});
   if (!transport) return transport.error();
   Result<std::unique_ptr<Link>> link =
       Link::connect(std::move(*transport), machine.emulated ? kEmulatedLink : LinkOptions{});

@@ -20,8 +20,12 @@ struct OpenMachine {
   Error explain(Error error) const;
 };
 
+inline constexpr const char* kBaudHelp =
+    "Of a serial port: 921600, or 2000000 where the board's jumper says so";
+
 struct MachineArguments {
   std::string port;
+  int baud = TransportOptions{}.baud;
   EmulatedMachineOptions emulated;
 
   void add(CLI::App& command);

@@ -75,6 +75,7 @@ void add_plan(CLI::App& app, Console& console, Run& run) {
     InputOptions input;
     PlanArguments plan;
     std::string pose, place, out, port;
+    int baud = TransportOptions{}.baud;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = add_command(
@@ -96,11 +97,16 @@ void add_plan(CLI::App& app, Console& console, Run& run) {
                    "Spacing of the beams, mm; finer where a face needs it")
       ->check(CLI::Range(0.1, 20.0))
       ->capture_default_str();
-  command
-      ->add_option(
-          "--port", options->port,
-          "Plan for this machine (/dev/ttyX, unix:PATH, tcp:HOST:PORT); the nominal one unless given")
-      ->type_name("DEV");
+  auto* port =
+      command
+          ->add_option(
+              "--port", options->port,
+              "Plan for this machine (/dev/ttyX, unix:PATH, tcp:HOST:PORT); the nominal one unless given")
+          ->type_name("DEV");
+  command->add_option("--baud", options->baud, kBaudHelp)
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str()
+      ->needs(port);
   command->add_option("--out", options->out, "Plan to write (JSON)")
       ->required()
       ->type_name("PLAN.json")
@@ -124,6 +130,7 @@ void add_plan(CLI::App& app, Console& console, Run& run) {
       if (!options->port.empty()) {
         MachineArguments at;
         at.port = options->port;
+        at.baud = options->baud;
         if (Status status = at.check(); !status) return status.error();
         Result<OpenMachine> opened = at.open();
         if (!opened) return opened.error();

@@ -21,6 +21,7 @@ ordered_json file_entry(const std::filesystem::path& path) {
 
 ordered_json ScanArguments::order() const {
   return {{"port", machine.port},
+          {"baud", machine.baud},
           {"emulated", file_entry(machine.emulated.part)},
           {"board", machine.emulated.board},
           {"place", machine.emulated.place},
@@ -58,7 +59,10 @@ Status ScanArguments::take_order(const ordered_json& then) {
       return differs(key);
   }
   // The same machine may hang on another port today; a part on an emulated one cannot.
-  if (machine.port.empty()) machine.port = then["port"];
+  if (machine.port.empty()) {
+    machine.port = then["port"];
+    machine.baud = then["baud"];
+  }
   if (!machine.port.empty() && !then["emulated"].is_null()) return differs("port");
   for (const auto& [key, path] : std::initializer_list<std::pair<const char*, std::filesystem::path*>>{
            {"emulated", &machine.emulated.part}, {"world", &machine.emulated.world}}) {

@@ -4,7 +4,9 @@
 libserialport refuses pseudo-terminals (it wants an entry in /sys/class/tty and modem lines); tests/pty_preload answers
 those look-ups, and nothing else is between `tetragauge scan --port /dev/pts/N` and a real port.
 """
+import fcntl
 import os
+import struct
 import subprocess
 import time
 
@@ -22,8 +24,8 @@ class SerialPort(cl.CommandLineTest):
         self.addCleanup(process.stdout.close)
         return process
 
-    def scan(self, port, out, environment):
-        command = [os.path.join(cl.BIN, 'tetragauge'), 'scan', '--port', port, '--pitch', '3', '--out', out]
+    def scan(self, port, out, environment, *options):
+        command = [os.path.join(cl.BIN, 'tetragauge'), 'scan', '--port', port, *options, '--pitch', '3', '--out', out]
         done = subprocess.run(command, cwd=self.folder, env={**os.environ, **environment}, capture_output=True, text=True,
                               timeout=120, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -33,7 +35,13 @@ class SerialPort(cl.CommandLineTest):
         port = machine.stdout.readline().strip()
         self.assertRegex(port, r'^/dev/pts/\d+$')
         # A sanitizer's runtime wants to be loaded first; here the preload is.
-        self.scan(port, 'serial.ply', {'LD_PRELOAD': PRELOAD, 'ASAN_OPTIONS': 'verify_asan_link_order=0'})
+        # What the port was set to is asked of another descriptor of it, open until the host has gone.
+        seen = os.open(port, os.O_RDWR | os.O_NOCTTY)
+        self.scan(port, 'serial.ply', {'LD_PRELOAD': PRELOAD, 'ASAN_OPTIONS': 'verify_asan_link_order=0'}, '--baud', '2000000')
+        # Linux's struct termios2 (TCGETS2): its last two words are the speeds, as numbers.
+        speeds = struct.unpack('36xII', fcntl.ioctl(seen, 0x802C542A, bytes(44)))
+        os.close(seen)
+        self.assertEqual(speeds, (2000000, 2000000))
         self.assertEqual(machine.wait(30), 0, 'the emulator ends with its only host')
 
         self.emulator('unix:machine.sock')
