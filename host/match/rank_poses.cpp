@@ -24,7 +24,8 @@ constexpr double kRival = 0.75;
 // A face alone along its direction fits there whatever it is; one that is also tilted beyond belief (an extra
 // face that happens to lie within the gates) would pin the part where nothing holds it. A plane of any
 // direction lies within the gate of a given normal with probability (1 - cos gate) / 2, and a good face's two
-// tilts are that seldom beyond chi-square = -2 ln of it. True if any went.
+// tilts are that seldom beyond chi-square = -2 ln of it. Two such faces on two planes of one direction agree
+// where the part lies, which extra ones hardly do: they stay. True if any went.
 bool drop_unsupported(const PlaneSet& model, const PlaneSet& measured, const SearchGates& gates,
                       RankedPose& pose) {
   const double most_tilt = -2 * std::log(0.5 * (1 - std::cos(gates.angle_rad)));
@@ -49,8 +50,13 @@ bool drop_unsupported(const PlaneSet& model, const PlaneSet& measured, const Sea
       return direction.kind == FreeDirection::Kind::translation &&
              std::abs(direction.axis.dot(normal)) > 0.01;
     });
+    const bool agrees = std::any_of(pose.pairs.begin(), pose.pairs.end(), [&](const PlanePair& other) {
+      const MatchPlane& plane = model.planes[other.model];
+      return plane.group != model.planes[pose.pairs[k].model].group &&
+             std::abs(plane.normal.dot(normal)) > 1 - 1e-8;
+    });
     const bool fixed = gates.allowed.is_fixed(pose.pairs[k].model, pose.pairs[k].measured);
-    if (fixed || !(doubtful[k] && alone)) kept.push_back(pose.pairs[k]);
+    if (fixed || agrees || !(doubtful[k] && alone)) kept.push_back(pose.pairs[k]);
   }
   const bool dropped = kept.size() < pose.pairs.size();
   pose.pairs = std::move(kept);
