@@ -97,7 +97,8 @@ void RaySamples::add(Light light, const PsdSample* burst, uint32_t count, int32_
   const uint32_t dropped = count * trim_permille / 1000;
   const auto kept = static_cast<int32_t>(count - 2 * dropped);
   for (int c = 0; c < kChannels; ++c) {
-    const std::byte* channel = reinterpret_cast<const std::byte*>(burst) + c * sizeof(int16_t);
+    const std::byte* channel =
+        reinterpret_cast<const std::byte*>(burst) + static_cast<size_t>(c) * sizeof(int16_t);
     const Extremes all = dropped == 0 ? sum_up(channel, count) : sum_up_trimmed(channel, count, dropped);
     if (all.largest >= rail_codes || all.smallest <= -rail_codes) on_rail_[phase] |= 1u << c;
     // sum * 2^16 * count / kept without a division of 64 bits, of which the processor has none: a sum is less
