@@ -44,6 +44,17 @@ TEST(Csg, CubeHasSixOutwardPlanesInCanonicalOrder) {
   EXPECT_TRUE(solid.box_max_mm.isApprox(Vec3(10, 20, 30)));
 }
 
+TEST(Csg, TheBoxIsThatOfTheRoundSurface) {
+  // A rod of radius 10 and length 30 along (-0.8, 0, 0.6) from (3, 4, 5): along x 30 x 0.8 and a disc seen at
+  // sine 0.6 at both ends, along y the disc alone, along z 30 x 0.6 and the disc at sine 0.8. No vertex of
+  // its triangles need lie out there.
+  const Solid solid = solid_from_csg(
+      "multmatrix([[0.36, 0.48, -0.8, 3], [-0.8, 0.6, 0, 4], [0.48, 0.64, 0.6, 5], [0, 0, 0, 1]]) {\n"
+      "  cylinder($fn = 0, h = 30, r1 = 10, r2 = 10, center = false); }");
+  EXPECT_LT((solid.box_min_mm - Vec3(3 - 24 - 6, 4 - 10, 5 - 8)).norm(), 1e-6);
+  EXPECT_LT((solid.box_max_mm - Vec3(3 + 6, 4 + 10, 5 + 18 + 8)).norm(), 1e-6);
+}
+
 TEST(Csg, StaircaseOfTheThesisHasFifteenFacesOnFourteenSurfaces) {
   const Solid solid = solid_from_csg(test::kStaircase);
   // 80 x 20 + 60 x 20 + 40 x 10 + 20 x 10, less the triangle 30 x 30 / 2, all 60 deep.

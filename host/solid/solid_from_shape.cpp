@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "host/solid/solid_from_shape.hpp"
 
+#include <BRepBndLib.hxx>
 #include <BRepGProp.hxx>
 #include <BRepLib.hxx>
 #include <BRep_Tool.hxx>
+#include <Bnd_Box.hxx>
 #include <GProp_GProps.hxx>
 #include <ShapeUpgrade_ShapeDivideClosed.hxx>
 #include <TopExp.hxx>
@@ -64,12 +66,13 @@ void add_mass_properties(const std::vector<TopoDS_Solid>& shapes, Solid& solid) 
   for (const Face& face : solid.faces()) solid.area_mm2 += face.area_mm2;
 }
 
-void add_box(Solid& solid) {
-  solid.box_min_mm = solid.box_max_mm = solid.vertices[0];
-  for (const Vec3& p : solid.vertices) {
-    solid.box_min_mm = solid.box_min_mm.cwiseMin(p);
-    solid.box_max_mm = solid.box_max_mm.cwiseMax(p);
-  }
+// Of the true surfaces: the triangles of a ball miss its outermost points.
+void add_box(const std::vector<TopoDS_Solid>& shapes, Solid& solid) {
+  Bnd_Box box;
+  for (const TopoDS_Solid& shape : shapes) BRepBndLib::AddOptimal(shape, box, false, false);
+  const gp_Pnt low = box.CornerMin(), high = box.CornerMax();
+  solid.box_min_mm = Vec3(low.X(), low.Y(), low.Z());
+  solid.box_max_mm = Vec3(high.X(), high.Y(), high.Z());
 }
 
 // BRepMesh gives up on some full turns of a cone; halves of them it can do. The list of faces puts the halves
@@ -136,7 +139,7 @@ Result<Solid> solid_from_shape(const TopoDS_Shape& shape, const std::string& pla
   solid.triangle_face = std::move(tessellation.triangle_face);
   solid.surfaces = std::move(tessellation.surfaces);
   solid.on_surface = std::move(tessellation.on_surface);
-  add_box(solid);
+  add_box(shapes, solid);
   return solid;
 }
 
