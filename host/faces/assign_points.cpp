@@ -10,6 +10,7 @@
 #include <span>
 
 #include "host/faces/compare_planes.hpp"
+#include "host/geometry/fit_plane_along_rays.hpp"
 #include "host/reconstruct/average_points.hpp"
 
 namespace tetragauge {
@@ -327,16 +328,18 @@ class Assigner {
 
 std::optional<PlaneFit> fit_members(const Scan& scan, const std::vector<double>& sigma_mm,
                                     const std::vector<uint32_t>& members, const Vec3& normal) {
-  std::vector<Vec3> points;
+  std::vector<Vec3> points, directions;
   std::vector<double> weights;
   points.reserve(members.size());
+  directions.reserve(members.size());
   weights.reserve(members.size());
   for (uint32_t i : members) {
-    const double s = sigma_across(sigma_mm[i], scan.ray_direction(i), normal);
     points.push_back(scan.points[i]);
+    directions.push_back(scan.ray_direction(i));
+    const double s = sigma_across(sigma_mm[i], directions.back(), normal);
     weights.push_back(1 / (s * s));
   }
-  return fit_plane(points, weights, normal);
+  return fit_plane_along_rays(points, directions, weights, normal);
 }
 
 FittedFaces assign_points(const Scan& scan, const Reconstruction& reconstruction, const SurfaceGraph& graph,

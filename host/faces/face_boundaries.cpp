@@ -199,22 +199,25 @@ class MeshCutter {
   double volume_ = 0;
 };
 
-// What its loops enclose, where that agrees with the mesh to a twentieth of a spacing all round: a loop round
-// a deep shadow may have lost a corner.
-double agreed_area_mm2(const std::vector<BoundaryLoop>& loops, const Vec3& normal, double mesh_area_mm2,
-                       double spacing_mm) {
+// Every corner of it lies on three planes: it is as exact as they are, whatever the mesh makes of a shadow.
+bool has_all_corners(const BoundaryLoop& loop) {
+  for (size_t i = 0; i < loop.size(); ++i) {
+    const BoundaryEdge &edge = loop[i], &next = loop[(i + 1) % loop.size()];
+    if (edge.beyond == kNoRegion || edge.beyond == next.beyond) return false;
+  }
+  return true;
+}
+
+double enclosed_area_mm2(const std::vector<BoundaryLoop>& loops, const Vec3& normal) {
   Vec3 enclosed = Vec3::Zero();
-  double perimeter = 0;
   for (const BoundaryLoop& loop : loops) {
     for (size_t i = 0; i < loop.size(); ++i) {
       const Vec3 from = loop[i].from_mm - loop[0].from_mm,
                  to = loop[(i + 1) % loop.size()].from_mm - loop[0].from_mm;
       enclosed += 0.5 * from.cross(to);
-      perimeter += (to - from).norm();
     }
   }
-  const double area = enclosed.dot(normal);
-  return std::abs(area - mesh_area_mm2) < 0.05 * spacing_mm * perimeter ? area : mesh_area_mm2;
+  return enclosed.dot(normal);
 }
 
 // Faces that meet along an edge of either one's loops: where the strip along the edge happened to stay
@@ -240,8 +243,8 @@ FaceExtents face_extents(const Reconstruction& reconstruction, const SurfaceGrap
   std::vector<std::vector<BoundaryLoop>> loops = trace_boundaries(reconstruction, graph, fitted);
   for (size_t f = 0; f < loops.size(); ++f) {
     FaceExtent& extent = extents.faces[f];
-    extent.area_mm2 =
-        agreed_area_mm2(loops[f], fitted.fits[f].normal, extent.area_mm2, reconstruction.vertex_spacing_mm);
+    if (!loops[f].empty() && std::all_of(loops[f].begin(), loops[f].end(), has_all_corners))
+      extent.area_mm2 = enclosed_area_mm2(loops[f], fitted.fits[f].normal);
     extent.loops = std::move(loops[f]);
   }
   add_neighbours(fitted.fits, extents);

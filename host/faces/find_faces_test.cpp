@@ -115,10 +115,9 @@ void expect_staircase(const MeasuredFaces& measured, double sigma_mm,
       const double width = std::min(60.0, t.area_mm2 / 60);
       EXPECT_LE(std::acos(std::min(1.0, f.normal.dot(normal))),
                 4 * sigma_mm / std::sqrt(n) * std::sqrt(12.0) / width);
-      // Towards the tip of the notch, as far as 5 mm, its floor and its slope are in shadow, and with them
-      // the tip's corner on both ends.
+      // Towards the tip of the notch, as far as 5 mm, its floor and its slope are in shadow.
       const bool in_notch = t.point_mm == Vec3(15, 30, 10) || t.point_mm == Vec3(15, 30, 25);
-      const double shadow = in_notch ? 5 * 60 / 2.0 : std::abs(t.normal.y()) == 1 ? 5 * 5 / 2.0 : 0;
+      const double shadow = in_notch ? 5 * 60 / 2.0 : 0;
       EXPECT_NEAR(f.area_mm2, t.area_mm2, 5 * area_sigma_mm2(measured, k, sigma_mm) + shadow)
           << t.point_mm.transpose();
       // Views from a cube's corners meet faces at a cosine of 1 / sqrt(3) at least.
@@ -221,7 +220,7 @@ TEST(FindFaces, BoundaryModelOfABox) {
 }
 
 TEST(FindFaces, MovingTheScanMovesTheFaces) {
-  for (uint64_t seed = 1; seed <= 4; ++seed) {
+  for (uint64_t seed = 1; seed <= 12; ++seed) {
     const double k = static_cast<double>(seed);
     const RigidTransform T{rotation_from_degrees(37 * k, 101 * k, 59 * k), Vec3(10 * k, -200, 35)};
     ScanPlan plan = staircase_plan(2.5, 0.02);

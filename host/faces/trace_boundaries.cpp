@@ -13,8 +13,8 @@ namespace {
 // A stretch of a face's boundary with one face beyond it.
 struct Run {
   int32_t beyond = kNoRegion;
-  std::vector<Vec3> middles;  // of the mesh edges that leave the face, in order
-  Vec3 outwards = Vec3::Zero();
+  std::vector<Vec3> middles;        // of the mesh edges that leave the face, in order
+  Vec3 inside = Vec3::Zero();       // sum of their ends on the face
   double longest_mm = 0;            // of these mesh edges
   std::optional<MeetingLine> line;  // its direction: the way around the face
 };
@@ -58,7 +58,7 @@ class Tracer {
       if (runs.empty() || runs.back().beyond != beyond) runs.push_back({beyond, {}, Vec3::Zero(), 0, {}});
       Run& run = runs.back();
       run.middles.push_back(0.5 * (inside + outside));
-      run.outwards += outside - inside;
+      run.inside += inside;
       run.longest_mm = std::max(run.longest_mm, (outside - inside).norm());
       uint32_t exit = (i + 1) % 3;
       if (label_[vertex(t, exit + 1)] == f || label_[vertex(t, exit + 2)] != f) exit = (i + 2) % 3;
@@ -74,7 +74,6 @@ class Tracer {
     // Within two spacings all round: a gap between points, no shape that can be told from one.
     if ((high - low).norm() < 2 * reconstruction_.vertex_spacing_mm) return;
     join(runs);
-    for (Run& run : runs) give_line(f, run);
     runs = drop_doubtful(f, std::move(runs));
     // Along one line to and fro: the mesh winds about an edge there.
     if (runs.size() == 1 && runs.front().line) return;
@@ -87,7 +86,7 @@ class Tracer {
   static void join(std::vector<Run>& runs) {
     const auto append = [](Run& to, const Run& more) {
       to.middles.insert(to.middles.end(), more.middles.begin(), more.middles.end());
-      to.outwards += more.outwards;
+      to.inside += more.inside;
       to.longest_mm = std::max(to.longest_mm, more.longest_mm);
     };
     for (size_t k = 1; k < runs.size();) {
@@ -103,14 +102,17 @@ class Tracer {
     runs.erase(runs.begin());
   }
 
-  // Which way along the line is around the face follows from where the mesh leads out of it.
+  // Which way along the line is around the face follows from the side of it that the face's own vertices lie
+  // on. (The way the mesh edges lead is no help where the faces meet in an acute angle, in the depth of a
+  // notch.)
   void give_line(int32_t f, Run& run) const {
     if (!is_face(run.beyond)) return;
     const PlaneFit &own = fits_[static_cast<size_t>(f)], &other = fits_[static_cast<size_t>(run.beyond)];
     run.line = meeting_line(own, other);
     if (!run.line) return;
     Vec3 out = other.normal - own.normal * own.normal.dot(other.normal);
-    if (out.dot(run.outwards) < 0) out = -out;
+    const Vec3 inside = run.inside / static_cast<double>(run.middles.size());
+    if (out.dot(run.line->foot(inside) - inside) < 0) out = -out;
     run.line->direction = own.normal.cross(out).normalized();
   }
 
@@ -138,6 +140,9 @@ class Tracer {
   // or its corners lie nowhere near.
   std::vector<Run> drop_doubtful(int32_t f, std::vector<Run> runs) const {
     constexpr size_t kFew = 4;  // mesh edges: the boundary goes on for at least two spacings in a real one
+    // Between two runs along one line there is nothing, but for rounding.
+    const double nothing_mm = 1e-6 * reconstruction_.vertex_spacing_mm;
+    for (Run& run : runs) give_line(f, run);
     while (runs.size() > 2) {
       size_t worst = runs.size(), fewest = SIZE_MAX;
       const auto doubt = [&](size_t k) {
@@ -148,13 +153,14 @@ class Tracer {
       for (size_t k = 0; k < runs.size(); ++k) {
         const size_t before = (k + runs.size() - 1) % runs.size(), after = (k + 1) % runs.size();
         const auto from = corner(f, runs[before], runs[k]), to = corner(f, runs[k], runs[after]);
-        if (from && to && runs[k].line->direction.dot(*to - *from) <= 0) doubt(k);
+        if (from && to && runs[k].line->direction.dot(*to - *from) <= nothing_mm) doubt(k);
         if (!from && runs[k].middles.size() < kFew) doubt(k);
         if (!to && runs[k].middles.size() < kFew) doubt(k);
       }
       if (worst == runs.size()) break;
       runs.erase(runs.begin() + static_cast<long>(worst));
       join(runs);
+      for (Run& run : runs) give_line(f, run);
     }
     return runs;
   }

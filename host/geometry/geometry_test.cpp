@@ -9,6 +9,7 @@
 #include "host/base/whole_file.hpp"
 #include "host/geometry/face_list_file.hpp"
 #include "host/geometry/fit_plane.hpp"
+#include "host/geometry/fit_plane_along_rays.hpp"
 #include "host/geometry/rigid_transform.hpp"
 
 namespace tetragauge {
@@ -86,6 +87,66 @@ TEST(FitPlane, covariance_is_the_scatter_of_repeated_fits) {
     scatter += e * e.transpose() / runs;
   }
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(std::sqrt(scatter(k, k) / said.matrix(k, k)), 1, 0.05) << k;
+}
+
+TEST(FitPlaneAlongRays, a_strip_no_wider_than_the_noise_stays_upright) {
+  // Oracle: the known plane and Monte Carlo. 0.6 mm wide, looked at 50 degrees across it, sigma 0.1 along the
+  // ray: the errors' part along the plane is as large as the spread of the places.
+  const Vec3 n = Vec3(0.3, -0.2, 0.9).normalized();
+  const auto [u, v] = tangent_frame(n);
+  const Vec3 direction = (std::sin(0.87) * u - std::cos(0.87) * n).normalized();
+  const Vec3 corner(40, -20, 60);
+  const double sigma = 0.1, across = sigma * std::cos(0.87);
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise(0, sigma);
+  const int runs = 2000;
+  Vec3 mean = Vec3::Zero();
+  Mat3 scatter = Mat3::Zero(), said = Mat3::Zero();
+  double leaning = 0;
+  for (int run = 0; run < runs; ++run) {
+    std::vector<Vec3> points;
+    for (int i = 0; i < 4; ++i)
+      for (int k = 0; k < 20; ++k)
+        points.push_back(corner + 0.2 * i * u + 1.0 * k * v + noise(random) * direction);
+    const std::vector<Vec3> directions(points.size(), direction);
+    const std::vector<double> weights(points.size(), 1 / (across * across));
+    const auto fit = fit_plane_along_rays(points, directions, weights, n);
+    ASSERT_TRUE(fit);
+    const Vec3 turned = fit->normal - n;
+    const Vec3 e(n.dot(fit->centroid_mm - corner), turned.dot(fit->covariance.u.cross(n)),
+                 turned.dot(fit->covariance.v.cross(n)));
+    mean += e / runs;
+    scatter += e * e.transpose() / runs;
+    said += fit->covariance.matrix / runs;
+    leaning += std::abs(fit_plane(points, weights, n)->normal.dot(u)) / runs;
+  }
+  // `mean` has the scatter of one run over sqrt(runs).
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_LT(std::abs(mean[k]), 4 * std::sqrt(said(k, k) / runs) + 0.02 * std::sqrt(said(k, k))) << k;
+    EXPECT_NEAR(std::sqrt(scatter(k, k) / said(k, k)), 1, 0.05) << k;
+  }
+  EXPECT_GT(leaning,
+            0.05);  // what a total fit makes of it, rad: some sigma^2 sin cos over the places' variance
+}
+
+TEST(FitPlaneAlongRays, exact_points_give_the_plane_from_a_start_far_off) {
+  const Vec3 n = Vec3(1, 2, 2) / 3.0;
+  const auto [u, v] = tangent_frame(n);
+  std::vector<Vec3> points, directions;
+  for (int i = 0; i < 5; ++i) {
+    for (int k = 0; k < 5; ++k) {
+      points.push_back(7.5 * n + 3.0 * i * u + 2.0 * k * v);
+      directions.push_back((-n + 0.2 * i * u - 0.1 * k * v).normalized());
+    }
+  }
+  const std::vector<double> weights(points.size(), 1.0);
+  const auto fit = fit_plane_along_rays(points, directions, weights, (n + 0.4 * u).normalized());
+  ASSERT_TRUE(fit);
+  EXPECT_LT((fit->normal - n).norm(), 1e-14);
+  EXPECT_NEAR(fit->d_mm, 7.5, 1e-12);
+  const std::vector<Vec3> line(5, Vec3(1, 2, 3));
+  EXPECT_FALSE(fit_plane_along_rays(line, std::span(directions).first(5), std::span(weights).first(5), n));
+  EXPECT_FALSE(fit_plane_along_rays({}, {}, {}, n));
 }
 
 class FaceListFile : public ::testing::Test {
