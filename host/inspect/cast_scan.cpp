@@ -18,8 +18,9 @@ constexpr double kLeastCosine = 0.1;
 
 CastScan cast_scan(const Scan& scan, const Solid& model, const RayCaster& caster, const RigidTransform& T) {
   const size_t n = scan.size();
-  CastScan out{std::vector<Vec3>(n),        std::vector<int>(n, -1),     std::vector<Vec3>(n, Vec3::Zero()),
-               std::vector<double>(n, 0.0), std::vector<double>(n, 0.0), std::vector<double>(n, 0.0)};
+  const std::vector<Vec3> nil(n, Vec3::Zero());
+  const std::vector<double> zero(n, 0.0);
+  CastScan out{nil, std::vector<int>(n, -1), nil, nil, zero, zero, zero, zero};
   // Each index writes its own slots: the result does not depend on the threads.
   tbb::parallel_for(size_t{0}, n, [&](size_t i) {
     const Vec3 origin = T * scan.ray_origins[i];
@@ -30,13 +31,15 @@ CastScan cast_scan(const Scan& scan, const Solid& model, const RayCaster& caster
     const double range = (point - origin).norm();
     if (!(range > 0)) return;
     const Vec3 direction = (point - origin) / range;
+    out.direction[i] = direction;
     const std::optional<RayHit> hit = caster.first_hit(origin, direction);
     if (!hit) return;
     const Face& face = model.faces()[static_cast<size_t>(hit->face)];
     out.face[i] = hit->face;
     out.hit_mm[i] = hit->point_mm;
     out.beyond_mm[i] = range - hit->distance_mm;
-    out.sigma_mm[i] = sigma * std::max(kLeastCosine, std::abs(hit->normal.dot(direction)));
+    out.cosine[i] = std::abs(hit->normal.dot(direction));
+    out.sigma_mm[i] = sigma * std::max(kLeastCosine, out.cosine[i]);
     // A free-form surface has no closed form: to its tangent plane at the hit.
     out.deviation_mm[i] =
         has_crossings(face) ? distance_to_surface(face, point) : hit->normal.dot(point - hit->point_mm);

@@ -45,8 +45,10 @@ JoinedScan join_set_ups(std::span<const Scan> scans, const Solid& model, const R
     append(joined.cast.points_mm, cast.points_mm);
     append(joined.cast.face, cast.face);
     append(joined.cast.hit_mm, cast.hit_mm);
+    append(joined.cast.direction, cast.direction);
     append(joined.cast.deviation_mm, cast.deviation_mm);
     append(joined.cast.sigma_mm, cast.sigma_mm);
+    append(joined.cast.cosine, cast.cosine);
     append(joined.cast.beyond_mm, cast.beyond_mm);
     joined.set_up.resize(joined.cast.face.size(), static_cast<uint32_t>(s));
     joined.u_cal_mm = std::max(joined.u_cal_mm, scans[s].header.u_cal_mm);

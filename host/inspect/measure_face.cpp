@@ -3,21 +3,42 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <optional>
 
+#include "host/geometry/fit_plane_along_rays.hpp"
 #include "host/inspect/form.hpp"
 #include "host/inspect/point_grid.hpp"
 
 namespace tetragauge {
 namespace {
 
-// On the surface, so that a face out of place has its edge where its points are.
-Vec3 on_surface(const FaceMeasurement& in, uint32_t i) {
-  if (in.face.type != SurfaceType::plane) return in.cast.points_mm[i];
-  return in.cast.points_mm[i] - in.cast.deviation_mm[i] * in.face.normal;
+// Where each point belongs on its surface, so that a face out of place has its edge where its points are.
+class Feet {
+ public:
+  explicit Feet(const FaceMeasurement& in) : in_(in) {
+    if (in.face.type == SurfaceType::plane) plane_ = fit_along_rays(in);
+  }
+
+  // Along its own ray: a point's error is no move over the face.
+  Vec3 of(uint32_t i) const {
+    const Vec3& p = in_.cast.points_mm[i];
+    if (!plane_) return p;
+    const Vec3 at = meet_plane(p, in_.cast.direction[i], plane_->normal, plane_->centroid_mm);
+    return at - in_.face.normal * (in_.face.normal.dot(at) - in_.face.d_mm);
+  }
+
+ private:
+  const FaceMeasurement& in_;
+  std::optional<PlaneFit> plane_;
+};
+
+std::vector<uint32_t> enough(std::vector<uint32_t> kept, const std::vector<uint32_t>& all) {
+  return kept.size() >= 30 ? kept : all;
 }
 
 // Points within three sigma or a quarter of a spacing of the face's edge hold light from both sides of it.
-std::vector<uint32_t> away_from_edges(const FaceMeasurement& in, double spacing_mm) {
+std::vector<uint32_t> away_from_edges(const FaceMeasurement& in, const Feet& feet, double spacing_mm) {
   std::vector<double> sigma;
   for (const uint32_t i : in.points) sigma.push_back(in.cast.sigma_mm[i]);
   std::nth_element(sigma.begin(), sigma.begin() + static_cast<std::ptrdiff_t>(sigma.size() / 2), sigma.end());
@@ -27,8 +48,18 @@ std::vector<uint32_t> away_from_edges(const FaceMeasurement& in, double spacing_
   const PointGrid grid(edge, margin);
   std::vector<uint32_t> kept;
   for (const uint32_t i : in.points)
-    if (!grid.any_within(on_surface(in, i), margin)) kept.push_back(i);
-  return kept.size() >= 30 ? kept : in.points;
+    if (!grid.any_within(feet.of(i), margin)) kept.push_back(i);
+  return enough(std::move(kept), in.points);
+}
+
+// Where light grazes a curved face, the face turns away under the spot: a camera that sees a part of it best
+// takes that for its middle. The planner keeps below this incidence, too. (A plane does not turn.)
+std::vector<uint32_t> well_lit(const FaceMeasurement& in) {
+  const double least_cosine = std::cos(65 * std::numbers::pi / 180);
+  std::vector<uint32_t> kept;
+  for (const uint32_t i : in.points)
+    if (in.cast.cosine[i] >= least_cosine) kept.push_back(i);
+  return enough(std::move(kept), in.points);
 }
 
 void compare_points(const FaceMeasurement& in, FaceInspection& out) {
@@ -56,8 +87,9 @@ double inflation(double chi2, double freedom) {
 
 double coverage(const FaceMeasurement& in, double spacing_mm) {
   if (in.points.empty() || !(spacing_mm > 0)) return 0;
+  const Feet feet(in);
   std::vector<Vec3> points;
-  for (const uint32_t i : in.points) points.push_back(on_surface(in, i));
+  for (const uint32_t i : in.points) points.push_back(feet.of(i));
   const double near = 1.5 * spacing_mm;
   const PointGrid grid(points, near);
   const std::vector<Vec3> samples = samples_over(in.outline, 1000);
@@ -95,13 +127,14 @@ void measure_face(const FaceMeasurement& in, FaceInspection& out) {
   out.coverage = coverage(in, spacing);
   out.measured_area_mm2 = in.measured_area_mm2 > 0 ? area : out.coverage * in.face.area_mm2;
   FaceMeasurement inner = in;
-  inner.points = away_from_edges(in, spacing);
+  inner.points = away_from_edges(in, Feet(in), spacing);
   out.points_used = inner.points.size();
   out.points_rejected += in.points.size() - inner.points.size();
   compare_points(inner, out);
   if (in.face.type == SurfaceType::plane) {
     measure_plane(inner, out);
   } else {
+    inner.points = well_lit(inner);
     measure_curve(inner, out);
   }
 }

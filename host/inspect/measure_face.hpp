@@ -2,6 +2,7 @@
 // Deviations of one face from the model's analytic surface, with their uncertainty.
 #pragma once
 
+#include "host/geometry/fit_plane.hpp"
 #include "host/inspect/cast_scan.hpp"
 #include "host/inspect/part_pose.hpp"
 #include "host/solid/face_outline.hpp"
@@ -21,6 +22,9 @@ struct FaceMeasurement {
 
 // Fills what is measured; judges nothing. Precondition: at least 3 points.
 void measure_face(const FaceMeasurement& in, FaceInspection& out);
+
+// A plane face's plane as its points lie; nullopt where they lie on a line.
+std::optional<PlaneFit> fit_along_rays(const FaceMeasurement& in);
 
 // The share of the face's area that has one of its own points within 1.5 of their spacings.
 double coverage(const FaceMeasurement& in, double spacing_mm);

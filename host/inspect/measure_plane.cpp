@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/geometry/fit_plane.hpp"
+#include "host/geometry/fit_plane_along_rays.hpp"
 #include "host/inspect/measure_face.hpp"
 #include "host/inspect/plane_deviation.hpp"
 
@@ -40,16 +40,21 @@ class Uncertainty {
 
 }  // namespace
 
-void measure_plane(const FaceMeasurement& in, FaceInspection& out) {
-  std::vector<Vec3> positions;
+std::optional<PlaneFit> fit_along_rays(const FaceMeasurement& in) {
+  std::vector<Vec3> points, directions;
   std::vector<double> weights;
   for (const uint32_t i : in.points) {
     const double sigma = std::max(1e-6, in.cast.sigma_mm[i]);
-    positions.push_back(in.cast.points_mm[i]);
+    points.push_back(in.cast.points_mm[i]);
+    directions.push_back(in.cast.direction[i]);
     weights.push_back(1 / (sigma * sigma));
   }
+  return fit_plane_along_rays(points, directions, weights, in.face.normal);
+}
+
+void measure_plane(const FaceMeasurement& in, FaceInspection& out) {
   const Vec3& n = in.face.normal;
-  const std::optional<PlaneFit> fit = fit_plane(positions, weights, n);
+  const std::optional<PlaneFit> fit = fit_along_rays(in);
   if (!fit) return;  // on a line: nothing is measured
   PlaneAsMeasured plane{fit->normal, fit->centroid_mm, fit->covariance};
   plane.covariance.matrix *=
@@ -69,13 +74,14 @@ void measure_plane(const FaceMeasurement& in, FaceInspection& out) {
   std::vector<Vec3> place;
   std::vector<double> residual;
   Eigen::Vector2d low = Eigen::Vector2d::Constant(1e300), high = -low;
-  for (const Vec3& p : positions) {
-    const Vec3 r = p - fit->centroid_mm;
+  for (const uint32_t i : in.points) {
+    const Vec3& p = in.cast.points_mm[i];
+    const Vec3 r = meet_plane(p, in.cast.direction[i], fit->normal, fit->centroid_mm) - fit->centroid_mm;
     const Eigen::Vector2d uv(r.dot(fit->covariance.u), r.dot(fit->covariance.v));
     low = low.cwiseMin(uv);
     high = high.cwiseMax(uv);
     place.emplace_back(uv.x(), uv.y(), 0);
-    residual.push_back(r.dot(fit->normal));
+    residual.push_back((p - fit->centroid_mm).dot(fit->normal));
   }
   measure_residuals(in, place, residual, (high - low).prod(), out);
 

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Faces that light treats unkindly: narrower than the points' errors are wide, or turning away under a
+// grazing spot.
+#include "host/inspect/test_scans.hpp"
+
+namespace tetragauge {
+namespace {
+
+using namespace test;
+
+TEST(MeasureFace, RisersHardlyWiderThanThePointsErrorsAreNotTurned) {
+  // Six steps of 0.8 mm, seen from a cube's corners: sigma 0.06 along the rays moves points by as much over a
+  // riser as they are spread on it. Oracle: the part is the model.
+  Outline steps{{0, 0}, {60, 0}};
+  for (int k = 6; k > 0; --k) {
+    steps.push_back({10.0 * k, 7.8 - 0.8 * k});
+    steps.push_back({10.0 * (k - 1), 7.8 - 0.8 * k});
+  }
+  const Solid model = solid(swept(steps, 0, 40));
+  Vec3 lean = Vec3::Zero();
+  double variance = 0;
+  int risers = 0;
+  for (uint64_t seed = 1; seed <= 2; ++seed) {
+    const View view{45000, 0.06, seed};
+    const InspectionRun run = run_inspect(scan_of(model, view), model, profile(0.2));
+    for (const FaceInspection& face : run.inspection.faces) {
+      const Face& of_model = model.faces()[static_cast<size_t>(face.model_id) - 1];
+      EXPECT_NE(face.verdict, Verdict::fail)
+          << face.model_id << ": " << face.profile_mm << " " << face.U_profile_mm;
+      if (of_model.area_mm2 > 40 || !face.plane) continue;
+      EXPECT_LT(face.tilt_rad, three_sigma(face.U_tilt_rad)) << face.model_id;
+      lean += face.plane->normal - of_model.normal;
+      variance += face.U_tilt_rad * face.U_tilt_rad / 4;
+      ++risers;
+    }
+  }
+  EXPECT_GE(risers, 8);
+  // All of them together do not lean up or down either.
+  EXPECT_LT(std::abs(lean.z()), 3 * std::sqrt(variance));
+}
+
+TEST(MeasureFace, GrazingLightDoesNotMoveAPeg) {
+  // Where a camera sees a part of the spot only, points at more than 70 degrees come out 8 sigma too near.
+  const Solid model = solid(
+      "union() { cube(size = [44, 32, 6], center = false);\n"
+      "multmatrix([[1, 0, 0, 22], [0, 1, 0, 12], [0, 0, 1, 5], [0, 0, 0, 1]]) {\n"
+      "  cylinder($fn = 0, h = 14, r1 = 5, r2 = 5, center = false); } }");
+  const View view{15000, 0.03};
+  Scan scan = scan_of(model, view);
+  const RigidTransform T_model_scan = view.T_scan_model.inverse();
+  size_t moved = 0;
+  for (size_t i = 0; i < scan.size(); ++i) {
+    const Vec3 p = T_model_scan * scan.points[i], ray = T_model_scan.R * scan.ray_direction(i);
+    const Vec3 out = Vec3(p.x() - 22, p.y() - 12, 0);
+    if (std::abs(out.norm() - 5) > 0.15 || p.z() < 6.3 || p.x() > 22) continue;  // of one side
+    if (-ray.dot(out.normalized()) > std::cos(70 * 3.14159265 / 180)) continue;
+    scan.points[i] -= 0.24 * scan.ray_direction(i);
+    ++moved;
+  }
+  ASSERT_GT(moved, 30u);
+  const InspectionRun run = run_inspect(scan, model, profile(0.2));
+  for (const FaceInspection& face : run.inspection.faces) {
+    if (!face.radius_mm) continue;
+    EXPECT_EQ(face.verdict, Verdict::pass);
+    EXPECT_LT(std::abs(*face.radius_mm), three_sigma(face.U_radius_mm));
+    EXPECT_LT(*face.position_mm, three_sigma(face.U_position_mm));
+  }
+}
+
+}  // namespace
+}  // namespace tetragauge
