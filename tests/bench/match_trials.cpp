@@ -68,6 +68,15 @@ Face moved(Face face, const RigidTransform& T) {
   return face;
 }
 
+// Takes one unit vector to another; Eigen's own draws in a singular value decomposition for opposite ones,
+// and with it seconds of compiling.
+Mat3 smallest_turn(const Vec3& from, const Vec3& to) {
+  const Vec3 across = from.cross(to);
+  const double sine = across.norm();
+  const Vec3 axis = sine > 0 ? Vec3(across / sine) : tangent_frame(from).first;
+  return Eigen::AngleAxisd(std::atan2(sine, from.dot(to)), axis).toRotationMatrix();
+}
+
 // How far `found` is from `truth`, not counting what is free, at the part's middle.
 struct PoseError {
   double angle_rad, shift_mm;
@@ -81,7 +90,7 @@ PoseError pose_error(const RigidTransform& found, const RigidTransform& truth,
     if (direction.kind == FreeDirection::Kind::translation) {
       move -= axis * axis.dot(move);
     } else {
-      turn = Eigen::Quaterniond::FromTwoVectors(turn * axis, axis).toRotationMatrix();
+      turn = smallest_turn(turn * axis, axis);
     }
   }
   return {rotation_angle(turn), move.norm()};
