@@ -20,12 +20,13 @@ CastScan cast_scan(const Scan& scan, const Solid& model, const RayCaster& caster
   const size_t n = scan.size();
   const std::vector<Vec3> nil(n, Vec3::Zero());
   const std::vector<double> zero(n, 0.0);
-  CastScan out{nil, std::vector<int>(n, -1), nil, nil, zero, zero, zero, zero};
+  CastScan out{nil, std::vector<int>(n, -1), nil, nil, nil, zero, zero, zero, zero};
   // Each index writes its own slots: the result does not depend on the threads.
   tbb::parallel_for(size_t{0}, n, [&](size_t i) {
     const Vec3 origin = T * scan.ray_origins[i];
     const Vec3 point = T * scan.points[i];
     out.points_mm[i] = point;
+    out.origin_mm[i] = origin;
     const double sigma = static_cast<double>(scan.sigma_mm[i]);
     out.sigma_mm[i] = sigma;
     const double range = (point - origin).norm();

@@ -17,6 +17,7 @@ struct CastScan {
   std::vector<Vec3> points_mm;       // model frame
   std::vector<int> face;             // index into Solid::faces(), -1: the ray meets nothing
   std::vector<Vec3> hit_mm;          // where the ray meets the model, model frame
+  std::vector<Vec3> origin_mm;       // of its ray, model frame
   std::vector<Vec3> direction;       // of its ray, unit; nil for a point at its ray's origin
   std::vector<double> deviation_mm;  // of the point to that face's surface, + = outside the material
   std::vector<double> sigma_mm;      // of the point across that surface

@@ -57,12 +57,12 @@ Result<InspectionRun> inspect(std::span<const Scan> scans, const Solid& model, c
   const std::vector<FaceOutline> outlines = face_outlines(model);
   JoinedScan joined = join_set_ups(scans, model, caster, run.set_ups);
   PartPose pose = best_fit(run.set_ups);
-  MeasuredPart part = measure_faces(joined, model, outlines, pose, tolerances);
+  MeasuredPart part = measure_faces(joined, model, caster, outlines, pose, tolerances);
   if (!tolerances.datums.empty()) {
     // ... and again with the part held by its datums, as they were found.
     hold_by_datums(model, tolerances.datums, part.faces, part.share, run.set_ups, pose, out.alignment);
     joined = join_set_ups(scans, model, caster, run.set_ups);
-    part = measure_faces(joined, model, outlines, pose, tolerances);
+    part = measure_faces(joined, model, caster, outlines, pose, tolerances);
   }
 
   // ... against its tolerance.

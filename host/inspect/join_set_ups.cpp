@@ -45,6 +45,7 @@ JoinedScan join_set_ups(std::span<const Scan> scans, const Solid& model, const R
     append(joined.cast.points_mm, cast.points_mm);
     append(joined.cast.face, cast.face);
     append(joined.cast.hit_mm, cast.hit_mm);
+    append(joined.cast.origin_mm, cast.origin_mm);
     append(joined.cast.direction, cast.direction);
     append(joined.cast.deviation_mm, cast.deviation_mm);
     append(joined.cast.sigma_mm, cast.sigma_mm);
@@ -52,6 +53,7 @@ JoinedScan join_set_ups(std::span<const Scan> scans, const Solid& model, const R
     append(joined.cast.beyond_mm, cast.beyond_mm);
     joined.set_up.resize(joined.cast.face.size(), static_cast<uint32_t>(s));
     joined.u_cal_mm = std::max(joined.u_cal_mm, scans[s].header.u_cal_mm);
+    joined.spot_mm = std::max(joined.spot_mm, scans[s].header.spot_mm);
     joined.max_offset_mm = std::max(joined.max_offset_mm, match.max_offset_mm);
     for (const FreeDirection& free : match.undetermined)
       joined.is_determined = joined.is_determined && free.kind == FreeDirection::Kind::rotation;

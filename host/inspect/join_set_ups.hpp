@@ -24,6 +24,7 @@ struct JoinedScan {
   std::vector<uint32_t> set_up;        // per point
   std::vector<MeasuredPatch> patches;  // by set-up, then as matched
   double u_cal_mm = 0;                 // the largest of the scans'
+  double spot_mm = 0;                  // likewise
   double max_offset_mm = 0;            // farther from its place a face was not taken for that face
   std::vector<bool> held;              // per model face, see held_faces
   bool is_determined = true;           // no pose has a free direction, or only one that moves no face

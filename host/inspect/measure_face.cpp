@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "host/inspect/measure_face.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -34,22 +36,53 @@ class Feet {
 };
 
 std::vector<uint32_t> enough(std::vector<uint32_t> kept, const std::vector<uint32_t>& all) {
-  return kept.size() >= 30 ? kept : all;
+  return kept.size() >= kLeastPoints ? kept : all;
 }
 
-// Points within three sigma or a quarter of a spacing of the face's edge hold light from both sides of it.
-std::vector<uint32_t> away_from_edges(const FaceMeasurement& in, const Feet& feet, double spacing_mm) {
+// Three sigma or a quarter of a spacing: as close to an edge as what lies beyond it can be told apart.
+double margin_mm(const FaceMeasurement& in, double spacing_mm) {
   std::vector<double> sigma;
   for (const uint32_t i : in.points) sigma.push_back(in.cast.sigma_mm[i]);
   std::nth_element(sigma.begin(), sigma.begin() + static_cast<std::ptrdiff_t>(sigma.size() / 2), sigma.end());
-  const double margin = std::max(3 * sigma[sigma.size() / 2], 0.25 * spacing_mm);
-  if (!(margin > 0)) return in.points;
+  return std::max(3 * sigma[sigma.size() / 2], 0.25 * spacing_mm);
+}
+
+// Points within the margin of the face's edge hold light from both sides of it.
+std::vector<uint32_t> away_from_edges(const FaceMeasurement& in, const Feet& feet, double margin) {
   const std::vector<Vec3> edge = samples_along(in.outline, 0.5 * margin);
   const PointGrid grid(edge, margin);
   std::vector<uint32_t> kept;
   for (const uint32_t i : in.points)
     if (!grid.any_within(feet.of(i), margin)) kept.push_back(i);
   return enough(std::move(kept), in.points);
+}
+
+// Whether the whole beam falls on the face, and no part of it on an edge that it passes on its way, or beyond
+// one.
+bool falls_whole(const FaceMeasurement& in, uint32_t i) {
+  constexpr int kAround = 6;
+  constexpr double kLongest = 5;  // the spot, in radii: it falls at 78 degrees then, or over a step
+  const auto [u, v] = tangent_frame(in.cast.direction[i]);
+  for (int k = 0; k < kAround; ++k) {
+    const double angle = 2 * std::numbers::pi * k / kAround;
+    const Vec3 beside = in.spot_mm * (std::cos(angle) * u + std::sin(angle) * v);
+    const auto hit = in.caster.first_hit(in.cast.origin_mm[i] + beside, in.cast.direction[i]);
+    if (!hit || hit->face != in.cast.face[i] ||
+        (hit->point_mm - in.cast.hit_mm[i]).norm() > kLongest * in.spot_mm)
+      return false;
+  }
+  return true;
+}
+
+std::vector<uint32_t> whole_spots(const FaceMeasurement& in) {
+  if (!(in.spot_mm > 0)) return in.points;
+  std::vector<char> is_whole(in.points.size(), 0);
+  tbb::parallel_for(size_t{0}, in.points.size(),
+                    [&](size_t k) { is_whole[k] = falls_whole(in, in.points[k]); });
+  std::vector<uint32_t> kept;
+  for (size_t k = 0; k < in.points.size(); ++k)
+    if (is_whole[k]) kept.push_back(in.points[k]);
+  return kept;
 }
 
 // Where light grazes a curved face, the face turns away under the spot: a camera that sees a part of it best
@@ -127,7 +160,14 @@ void measure_face(const FaceMeasurement& in, FaceInspection& out) {
   out.coverage = coverage(in, spacing);
   out.measured_area_mm2 = in.measured_area_mm2 > 0 ? area : out.coverage * in.face.area_mm2;
   FaceMeasurement inner = in;
-  inner.points = away_from_edges(in, Feet(in), spacing);
+  inner.points = whole_spots(in);
+  if (inner.points.size() < kLeastPoints) {
+    out.reason = "too narrow for the beam: it falls whole on the face in " +
+                 std::to_string(inner.points.size()) + " of " + std::to_string(in.points.size()) + " points";
+    return;
+  }
+  if (const double margin = margin_mm(inner, spacing); margin > 0)
+    inner.points = away_from_edges(inner, Feet(inner), margin);
   out.points_used = inner.points.size();
   out.points_rejected += in.points.size() - inner.points.size();
   compare_points(inner, out);

@@ -9,18 +9,22 @@
 
 namespace tetragauge {
 
+constexpr size_t kLeastPoints = 30;  // fewer are not a measurement
+
 struct FaceMeasurement {
   const Face& face;  // of the model
   const FaceOutline& outline;
+  const RayCaster& caster;
   const CastScan& cast;
   const PoseError& pose;
   std::vector<uint32_t> points;  // raw points of this face
   double measured_area_mm2 = 0;  // of the measured faces; 0: none was found
   double tolerance_mm = 0;       // for form: a twentieth of it is the cells' noise; 0: none
   double u_cal_mm = 0;
+  double spot_mm = 0;  // radius of the beam
 };
 
-// Fills what is measured; judges nothing. Precondition: at least 3 points.
+// Fills what is measured, or why nothing is; judges nothing. Precondition: at least 3 points.
 void measure_face(const FaceMeasurement& in, FaceInspection& out);
 
 // A plane face's plane as its points lie; nullopt where they lie on a line.

@@ -12,8 +12,6 @@
 namespace tetragauge {
 namespace {
 
-constexpr size_t kLeastPoints = 30;  // fewer are not a measurement
-
 // What the rays that should have met a face found.
 struct Sight {
   std::vector<uint32_t> on;  // points of the face
@@ -111,7 +109,7 @@ void measure(const Sight& sight, const FaceMeasurement& in, bool is_held, double
     out.measured = false;
     out.reason = "the part's pose is undetermined, and with it where this face should be";
   } else if (!out.measured) {
-    out.reason = "its points lie on a line";
+    if (out.reason.empty()) out.reason = "its points lie on a line";
   } else if (out.coverage < min_coverage) {
     out.measured = false;
     out.reason = in_words("%.0f %% of its area seen, %.0f %% wanted", 100 * out.coverage, 100 * min_coverage);
@@ -120,7 +118,7 @@ void measure(const Sight& sight, const FaceMeasurement& in, bool is_held, double
 
 }  // namespace
 
-MeasuredPart measure_faces(const JoinedScan& joined, const Solid& model,
+MeasuredPart measure_faces(const JoinedScan& joined, const Solid& model, const RayCaster& caster,
                            const std::vector<FaceOutline>& outlines, const PartPose& pose,
                            const Tolerances& tolerances) {
   const CastScan& cast = joined.cast;
@@ -160,8 +158,8 @@ MeasuredPart measure_faces(const JoinedScan& joined, const Solid& model,
     } else {
       const PoseError pose_error = pose.error(part.share.back(), face.id);
       measure(sight,
-              {face, outlines[k], cast, pose_error, sight.on, area_mm2, form_tolerance(tolerance),
-               joined.u_cal_mm},
+              {face, outlines[k], caster, cast, pose_error, sight.on, area_mm2, form_tolerance(tolerance),
+               joined.u_cal_mm, joined.spot_mm},
               joined.held[k], tolerances.min_coverage, out);
       if (wanted && !out.measured) out.verdict = Verdict::not_measured;
       if (face.type == SurfaceType::other && out.measured)

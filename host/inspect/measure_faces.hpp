@@ -16,7 +16,7 @@ struct MeasuredPart {
   std::vector<int> point_face;             // per raw point its model id, 0: none
 };
 
-MeasuredPart measure_faces(const JoinedScan& joined, const Solid& model,
+MeasuredPart measure_faces(const JoinedScan& joined, const Solid& model, const RayCaster& caster,
                            const std::vector<FaceOutline>& outlines, const PartPose& pose,
                            const Tolerances& tolerances);
 

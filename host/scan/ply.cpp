@@ -38,6 +38,11 @@ Status read_comment(std::string_view comment, const std::string& place, PointTab
     if (!number) return bad_input(place + "u_cal_mm is not a number");
     header.u_cal_mm = *number;
   }
+  if (key == "spot_mm") {
+    const auto number = parse_number<double>(value);
+    if (!number) return bad_input(place + "spot_mm is not a number");
+    header.spot_mm = *number;
+  }
   if (key == "seed") {
     const auto number = parse_number<uint64_t>(value);
     if (!number) return bad_input(place + "seed is not a whole number");
@@ -147,9 +152,12 @@ std::string scan_to_ply(const Scan& scan) {
   comment("unit", "mm");
   comment("machine_id", header.machine_id);
   comment("calibration_id", header.calibration_id);
-  std::array<char, 32> number;
-  const auto end = std::to_chars(number.data(), number.data() + number.size(), header.u_cal_mm).ptr;
-  comment("u_cal_mm", std::string(number.data(), end));
+  const auto shortest = [](double value) {
+    std::array<char, 32> number;
+    return std::string(number.data(), std::to_chars(number.data(), number.data() + number.size(), value).ptr);
+  };
+  comment("u_cal_mm", shortest(header.u_cal_mm));
+  if (header.spot_mm > 0) comment("spot_mm", shortest(header.spot_mm));
   if (header.seed) comment("seed", std::to_string(*header.seed));
   comment("part_serial", header.part_serial);
   comment("operator", header.operator_name);

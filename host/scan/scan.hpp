@@ -32,6 +32,7 @@ struct ScanHeader {
   std::string machine_id;
   std::string calibration_id;
   double u_cal_mm = 0;  // standard uncertainty of the machine's geometry; 0 for simulate
+  double spot_mm = 0;   // largest 1/e^2 radius of the beam on the part; 0: rays have no width (simulate)
   std::optional<uint64_t> seed;
   std::string part_serial, operator_name, start_time;  // start_time for real hardware only
 };

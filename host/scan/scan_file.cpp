@@ -35,6 +35,7 @@ Result<Scan> scan_from_table(PointTable table, const ReadScanOptions& options, c
   Scan scan;
   scan.header = std::move(table.header);
   if (!(scan.header.u_cal_mm >= 0)) return bad_input(name + ": header: u_cal_mm must not be negative");
+  if (!(scan.header.spot_mm >= 0)) return bad_input(name + ": header: spot_mm must not be negative");
   const double scale = options.unit_scale_mm.value_or(table.unit_scale_mm);
   scan.points = vectors("x", "y", "z");
   if (scan.points.empty()) return bad_input(name + ": no columns x, y, z");

@@ -43,6 +43,7 @@ Scan small_scan() {
   Scan scan;
   scan.header.machine_id = "emulated";
   scan.header.u_cal_mm = 0.004;
+  scan.header.spot_mm = 0.2;
   scan.header.seed = 18446744073709551615ull;
   for (int i = 0; i < 3; ++i) {
     scan.points.emplace_back(i / 3.0, -1e-9 * i, 40 + i);
@@ -68,6 +69,7 @@ TEST_F(ScanFile, comes_back_bit_for_bit) {
   ASSERT_TRUE(back.ok()) << back.error().message;
   EXPECT_EQ(scan_to_ply(*back), scan_to_ply(scan));
   EXPECT_EQ(back->header.seed, scan.header.seed);
+  EXPECT_EQ(back->header.spot_mm, 0.2);
   EXPECT_EQ(back->points[1], scan.points[1]);
   EXPECT_EQ(back->rejected.at(0).reason, 4u);
 }

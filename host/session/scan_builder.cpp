@@ -19,6 +19,11 @@ constexpr double kTableHeight_mm = 0.15;
 // finite spot) is smaller than this. A real one gets the +-0.1 mm (95 %) of the thesis's machine.
 constexpr double kEmulatedGeometry_mm = 0.005, kUncalibratedGeometry_mm = 0.05;
 
+// Largest 1/e^2 radius of the beam in the working volume (docs/machine.md): 0.08 mm in the focus, Rayleigh
+// length 31 mm (Siegman, Lasers, eq. 17.5), and corners of the volume's 100 x 100 mm 70 mm before and behind
+// it.
+constexpr double kSpot_mm = 0.2;
+
 std::string hex(uint32_t value) {
   char text[16];
   std::snprintf(text, sizeof text, "%08x", static_cast<unsigned>(value));
@@ -34,6 +39,7 @@ ScanHeader header_of(const tg_HelloReply& machine, const ScanOptions& options) {
   header.u_cal_mm = calibrated ? machine.u_cal_100nm * 1e-4
                     : emulated ? kEmulatedGeometry_mm
                                : kUncalibratedGeometry_mm;
+  header.spot_mm = kSpot_mm;
   header.seed = options.seed;
   header.part_serial = options.part_serial;
   header.operator_name = options.operator_name;
