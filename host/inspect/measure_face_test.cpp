@@ -120,5 +120,30 @@ TEST(MeasureFace, GrazingLightDoesNotMoveAPeg) {
   }
 }
 
+TEST(MeasureFace, ABoreFarOutOfPlaceIsNoNarrower) {
+  // By 0.6 mm at a radius of 5, and 0.02 too wide: where one linear step would have it 0.036 narrower.
+  const auto plate = [](double x, double r) {
+    return solid(
+        "difference() { cube(size = [40, 30, 12], center = false);\n"
+        "multmatrix([[1, 0, 0, " +
+        std::to_string(x) +
+        "], [0, 1, 0, 15], [0, 0, 1, -1], [0, 0, 0, 1]]) {\n"
+        "  cylinder($fn = 0, h = 14, r1 = " +
+        std::to_string(r) + ", r2 = " + std::to_string(r) + ", center = false); } }");
+  };
+  const Solid model = plate(20, 5), part = plate(20.6, 5.02);
+  const InspectionRun run = run_inspect(scan_of(part, {20000, 0.01}), model, profile(0.2));
+  int bores = 0;
+  for (const FaceInspection& face : run.inspection.faces) {
+    if (!face.radius_mm) continue;
+    ++bores;
+    EXPECT_NEAR(*face.radius_mm, 0.02, three_sigma(face.U_radius_mm));
+    EXPECT_LT(face.U_radius_mm, 0.01);
+    EXPECT_NEAR(*face.position_mm, 0.6, three_sigma(face.U_position_mm));
+    EXPECT_NEAR(std::abs(face.profile_mm), 0.62, three_sigma(face.U_profile_mm));
+  }
+  EXPECT_EQ(bores, 1);
+}
+
 }  // namespace
 }  // namespace tetragauge
