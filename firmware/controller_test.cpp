@@ -218,7 +218,7 @@ TEST_F(ControllerTest, InterlockStopsEverythingAtOnce) {
   host.run(1);
   EXPECT_EQ(state(), tg_State_STATE_ESTOP) << "latched";
   EXPECT_TRUE(host.accepted(tg_HostMessage_clear_fault_tag));
-  EXPECT_EQ(state(), tg_State_STATE_READY) << "the stage stood still: its position is known";
+  EXPECT_EQ(state(), tg_State_STATE_IDLE) << "the motors may have been without current: home again";
 }
 
 TEST_F(ControllerTest, InterlockInAMoveLosesThePosition) {

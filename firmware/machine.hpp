@@ -61,8 +61,9 @@ struct Machine {
   bool calibrated() const { return claim.id[0] != '\0' && claim.config_crc == config_crc; }
 
   void fail(tg_FaultCode code) {
-    // A stage stopped in the middle of a move has lost steps.
-    if (moving()) homed = false;
+    // A stage stopped in the middle of a move has lost steps; and what opens the interlock takes the motors'
+    // current away, too (docs/machine.md), after which they stand anywhere.
+    if (moving() || code == tg_FaultCode_FAULT_INTERLOCK) homed = false;
     table.halt();
     slide.halt();
     const bool is_new = supervisor.latch(code);
@@ -112,6 +113,7 @@ struct Machine {
   [[gnu::noinline]] void use_nominal_numbers() {
     claim = {};
     config = nominal_config();
+    if (config.galvo.limit_urad > B::kMirrorReachUrad) config.galvo.limit_urad = B::kMirrorReachUrad;
   }
   [[gnu::noinline]] bool load_calibration() {
     tg_Calibration calibration = tg_Calibration_init_zero;

@@ -185,10 +185,10 @@ MachineConfig nominal_config() {
            message_of(nominal.galvo.b_axis),
            true,
            message_of(nominal.galvo.b_normal),
-           0,
-           0,
-           1,
-           1,
+           0,        // a_zero_urad: of mirror a at 0 V
+           0,        // b_zero_urad
+           1,        // a_scale: true angle over commanded angle
+           1,        // b_scale
            174'533,  // 10 degrees: the beam turns 20
            nominal.galvo.direction_sigma_rad * 1e6};
 

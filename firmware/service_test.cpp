@@ -326,6 +326,8 @@ TEST_F(ServiceTest, SelfTestRunsInTimeAndOtherRequestsAreAnsweredMeanwhile) {
   EXPECT_EQ(items[tg_SelfTestCheck_CHECK_CONVERTER].value, 10'000) << "ns a sample";
   EXPECT_EQ(items[tg_SelfTestCheck_CHECK_DARK_CAMERA_1].value, 50)
       << "half the pair's 100 codes of ambient light";
+  ASSERT_EQ(reply.dark_codes_count, 8u);
+  for (const int32_t code : reply.dark_codes) EXPECT_EQ(code, 50);
   EXPECT_EQ(items[tg_SelfTestCheck_CHECK_CLOCK].result, tg_SelfTestResult_SELF_TEST_ABSENT);
   EXPECT_EQ(host.board.times_laser_on, 0u);
 }

@@ -24,6 +24,7 @@ class EmulatedBoard {
   // The converter's own filter lets 17 kHz of noise through: samples 30 us apart are independent.
   static constexpr uint32_t kSamplePeriodNs = 30'000;
   static constexpr int32_t kMirrorCodeStep = 1;
+  static constexpr int32_t kMirrorReachUrad = 32'767 * kUradPerMirrorCode;
   static constexpr uint32_t kStepTicksPerSecond = 1'000'000'000;
 
   static constexpr uint64_t kNever = std::numeric_limits<uint64_t>::max();

@@ -19,6 +19,7 @@ class FifoBoard : public Storage {
       tg_Capability_CAPABILITY_EMULATED | tg_Capability_CAPABILITY_ADC_16_BIT;
   static constexpr uint32_t kSamplePeriodNs = mps2_bus::kSamplePeriodNs;
   static constexpr int32_t kMirrorCodeStep = mps2_bus::kMirrorCodeStep;
+  static constexpr int32_t kMirrorReachUrad = 32'767 * kUradPerMirrorCode;
   static constexpr uint32_t kStepTicksPerSecond = mps2_bus::kStepTicksPerSecond;
 
   void begin() { link_.begin(); }

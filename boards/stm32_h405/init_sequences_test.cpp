@@ -190,25 +190,29 @@ TEST_F(InitSequence, BuiltInMirrors) {
   mirrors.set(16, -16, faults);
   mirrors.set(7, 8, faults);
   expect_writes(Golden{"DAC_DHR12RD = 00000FFF", "DAC_DHR12RD = 07FF0801", "DAC_DHR12RD = 08010800"});
+  // As far as the firmware goes with nominal numbers: 28,333 codes, 2,048 + 1,771 of 12 bits, 3.077 V of 3.3.
+  constexpr auto furthest = static_cast<int16_t>(BuiltInMirrors<Bus>::kReachUrad / kUradPerMirrorCode);
+  mirrors.set(furthest, -furthest, faults);
+  expect_writes(Golden{"DAC_DHR12RD = 01150EEB"});
 }
 
 Golden spi_word(const char* high, const char* middle, const char* low) {
-  return {"GPIOB_BSRR = 10000000",  // SYNC low
+  return {"GPIOB_BSRR = 04000000",  // SYNC low
           std::string("SPI2_DR = 000000") + high, std::string("SPI2_DR = 000000") + middle,
-          std::string("SPI2_DR = 000000") + low, "GPIOB_BSRR = 00001000"};
+          std::string("SPI2_DR = 000000") + low, "GPIOB_BSRR = 00000400"};
 }
-const Golden kLoad = {"GPIOB_BSRR = 40000000", "GPIOB_BSRR = 00004000"};
+const Golden kLoad = {"GPIOB_BSRR = 08000000", "GPIOB_BSRR = 00000800"};
 
 TEST_F(InitSequence, Ad5754rMirrors) {
   Ad5754rMirrors<Bus> mirrors;
   mirrors.begin(faults);
   EXPECT_EQ(
       Bus::take_writes(),
-      (Golden{"GPIOB_BSRR = 10000000", "GPIOB_MODER = 01000280", "GPIOB_BSRR = 40000000",
-              "GPIOB_MODER = 11000280", "GPIOB_BSRR = 00001000", "GPIOB_BSRR = 00004000",  // SYNC, LDAC high
+      (Golden{"GPIOB_BSRR = 04000000", "GPIOB_MODER = 00100280", "GPIOB_BSRR = 08000000",
+              "GPIOB_MODER = 00500280", "GPIOB_BSRR = 00000400", "GPIOB_BSRR = 00000800",  // SYNC, LDAC high
               "GPIOB_AFRH = 00500000", "GPIOB_OSPEEDR = 080000C0", "GPIOB_PUPDR = 00000100",
-              "GPIOB_MODER = 19000280", "GPIOB_AFRH = 50500000", "GPIOB_OSPEEDR = 880000C0",
-              "GPIOB_PUPDR = 00000100", "GPIOB_MODER = 99000280", "SPI2_CR1 = 00000345"}
+              "GPIOB_MODER = 08500280", "GPIOB_AFRH = 50500000", "GPIOB_OSPEEDR = 880000C0",
+              "GPIOB_PUPDR = 00000100", "GPIOB_MODER = 88500280", "SPI2_CR1 = 00000345"}
        // SSM, SSI, SPE, MSTR, / 2, CPHA
        + spi_word("10", "00", "13")  // power: A, B, reference
        + spi_word("0C", "00", "04")  // range of all: +-10 V
@@ -255,8 +259,8 @@ TEST_F(InitSequence, Inputs) {
 TEST_F(InitSequence, Laser) {
   LaserSwitch<Bus> laser;
   laser.begin();
-  expect_writes(Golden{"GPIOB_BSRR = 08000000", "GPIOB_MODER = 00400280", "GPIOB_BSRR = 04000000",
-                       "GPIOB_MODER = 00500280"});
+  expect_writes(Golden{"GPIOB_BSRR = 10000000", "GPIOB_MODER = 01000280", "GPIOB_BSRR = 40000000",
+                       "GPIOB_MODER = 11000280"});
 }
 
 TEST_F(InitSequence, Watchdog) {

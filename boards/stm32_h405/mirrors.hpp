@@ -12,14 +12,18 @@
 #include "boards/stm32_h405/pins.hpp"
 #include "boards/stm32_h405/registers/dac_spi.hpp"
 #include "boards/stm32_h405/waits.hpp"
+#include "firmware/hal/board.hpp"
 
 namespace tetragauge {
 
-// The chip's own, 12 bits: 0 to 3.3 V, 1.65 V in the middle; the wiring makes +-10 V of it.
+// The chip's own, 12 bits: 0 to 3.3 V, 1.65 V in the middle; the wiring makes +-10 V of it. Their output
+// amplifiers reach to 0.2 V from either supply (DS8626, DAC characteristics), from 3.0 V of it on.
 template <class Bus>
 class BuiltInMirrors {
  public:
   static constexpr int32_t kCodeStep = 16;
+  static constexpr int32_t kReachUrad = 170'000;
+  static_assert(int64_t{1'500} * kReachUrad / kUradPerMirrorCode / 32'768 <= 1'500 - 200, "mV of 3.0 V");
 
   void begin(WaitFaults& faults) {
     pins::MirrorA::analog<Bus>();
@@ -46,6 +50,7 @@ template <class Bus>
 class Ad5754rMirrors {
  public:
   static constexpr int32_t kCodeStep = 1;
+  static constexpr int32_t kReachUrad = 32'767 * kUradPerMirrorCode;
 
   void begin(WaitFaults& faults) {
     pins::DacSelect::output<Bus>();

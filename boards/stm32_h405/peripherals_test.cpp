@@ -177,16 +177,19 @@ TEST_F(Peripherals, ALineWithNothingToSendIsWell) {
   EXPECT_EQ(feeds(), 500u);
 }
 
-// LaserOn is PB11, LaserKick PB10; set bits are the low half of BSRR.
+// LaserOn is PB12, LaserKick PB14; set bits are the low half of BSRR. A kick is a rising edge.
 struct LaserPins {
   bool on = false;
+  bool kick = false;
   uint32_t kicks = 0;
   LaserPins() {
     Bus::on_write = [this](uint32_t address, uint32_t value) {
       if (address != 0x40020418) return;
-      if (value & 1u << 11) on = true;
-      if (value & 1u << 27) on = false;
-      kicks += value >> 10 & 1;
+      if (value & 1u << 12) on = true;
+      if (value & 1u << 28) on = false;
+      if (value & 1u << 14 && !kick) ++kicks;
+      if (value & 1u << 14) kick = true;
+      if (value & 1u << 30) kick = false;
     };
   }
 };
@@ -202,13 +205,29 @@ TEST_F(Peripherals, TheLaserIsKickedOnlyWhileTheMainLoopTurns) {
   laser.set(true);
   EXPECT_TRUE(pins.on);
   EXPECT_EQ(pins.kicks, 1u) << "at once";
-  for (uint32_t ms = 0; ms < LaserSwitch<Bus>::kLoopMs; ++ms) laser.on_tick();
-  EXPECT_EQ(pins.kicks, 1 + LaserSwitch<Bus>::kLoopMs);
+  laser.set(true);
+  EXPECT_TRUE(pins.kick) << "told again, the kick is not cut short";
+  // A whole millisecond high, a whole one low.
+  for (uint32_t ms = 0; ms < LaserSwitch<Bus>::kLoopMs; ++ms) {
+    laser.on_tick();
+    EXPECT_EQ(pins.kick, ms % 2 == 1);
+  }
+  EXPECT_EQ(pins.kicks, 1 + LaserSwitch<Bus>::kLoopMs / 2);
   EXPECT_TRUE(pins.on);
   const uint32_t before = pins.kicks;
   for (int ms = 0; ms < 1'000; ++ms) laser.on_tick();
   EXPECT_EQ(pins.kicks, before) << "the main loop hangs";
   EXPECT_FALSE(pins.on);
+  // Off and on again: an edge at once, whatever the pin was.
+  for (const int ticks_on : {1, 2}) {
+    laser.set(false);
+    EXPECT_FALSE(pins.on || pins.kick);
+    laser.loop_turned();
+    const uint32_t kicks = pins.kicks;
+    laser.set(true);
+    EXPECT_EQ(pins.kicks, kicks + 1);
+    for (int ms = 0; ms < ticks_on; ++ms) laser.on_tick();
+  }
 }
 
 TEST_F(Peripherals, NothingPluggedInReadsAsUnsafe) {

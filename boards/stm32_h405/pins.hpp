@@ -17,9 +17,9 @@ inline constexpr uint32_t kUsartFunction = 7;
 
 using MirrorA = Pin<PortName::kA, 4>;  // DAC_OUT1
 using MirrorB = Pin<PortName::kA, 5>;  // DAC_OUT2
-using DacSelect = Pin<PortName::kB, 12>;
+using DacSelect = Pin<PortName::kB, 10>;
 using DacClock = Pin<PortName::kB, 13>;  // SPI2_SCK, function 5
-using DacLoad = Pin<PortName::kB, 14>;
+using DacLoad = Pin<PortName::kB, 11>;
 using DacData = Pin<PortName::kB, 15>;  // SPI2_MOSI
 inline constexpr uint32_t kSpiFunction = 5;
 
@@ -49,8 +49,9 @@ using SlideHome = Pin<PortName::kB, 5>;
 using SlideNotLow = Pin<PortName::kC, 9>;  // low: on the switch, or its wire is broken
 using SlideNotHigh = Pin<PortName::kC, 10>;
 
-using LaserOn = Pin<PortName::kB, 11>;
-using LaserKick = Pin<PortName::kB, 10>;
+// Two that the chip's boot ROM leaves alone: it has a serial port on PB10 and PB11 (AN2606, STM32F40xxx).
+using LaserOn = Pin<PortName::kB, 12>;
+using LaserKick = Pin<PortName::kB, 14>;
 
 using Light = Pin<PortName::kC, 12>;  // the board's own, on when low
 

@@ -44,6 +44,7 @@ class Stm32Board {
   static constexpr uint32_t kSamplePeriodNs = 1'000'000'000 / clock_tree::kSampleHz;
   static constexpr uint32_t kStepTicksPerSecond = clock_tree::kApb1TimerHz;
   static constexpr int32_t kMirrorCodeStep = Mirrors<Bus>::kCodeStep;
+  static constexpr int32_t kMirrorReachUrad = Mirrors<Bus>::kReachUrad;
 
   explicit Stm32Board(const StartInfo& start) : start_(start), storage_(faults_) {}
 

@@ -189,9 +189,11 @@ class Chip {
         Bus::cells[0x40026404] &= ~value;
         break;
       case 0x40020418:  // GPIOB_BSRR: laser
-        if (value & 1u << 11) laser_on = true;
-        if (value & 1u << 27) laser_on = false;
-        laser_kicks += value >> 10 & 1;
+        if (value & 1u << 12) laser_on = true;
+        if (value & 1u << 28) laser_on = false;
+        if (value & 1u << 14 && !laser_kick_) ++laser_kicks;  // rising edges
+        if (value & 1u << 14) laser_kick_ = true;
+        if (value & 1u << 30) laser_kick_ = false;
         break;
       case 0x40020818:  // GPIOC_BSRR: directions
         directions_ = (directions_ | (value & 0xFFFF)) & ~(value >> 16);
@@ -221,7 +223,7 @@ class Chip {
   }
 
   Counter steps_{kTim2}, clock_{kTim5};
-  bool step_pins_[2] = {}, interlock_before_ = true;
+  bool step_pins_[2] = {}, interlock_before_ = true, laser_kick_ = false;
   uint32_t directions_ = 0;
   uint64_t burst_end_ = kNever, sent_at_ = kNever, last_tick_ = 0;
 };
@@ -327,6 +329,11 @@ TEST_F(WholeMachine, AChipThatHasAllPassesItsSelfTest) {
   const auto value_of = [&test](tg_SelfTestCheck check) { return test.items[check - 1].value; };
   EXPECT_EQ(value_of(tg_SelfTestCheck_CHECK_DARK_CAMERA_1), 1'003 * 8);
   EXPECT_EQ(value_of(tg_SelfTestCheck_CHECK_DARK_CAMERA_2), 2'003 * 8);
+  ASSERT_EQ(test.dark_codes_count, 8u);
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_EQ(test.dark_codes[k], (1'000 + k) * 8);
+    EXPECT_EQ(test.dark_codes[4 + k], (2'000 + k) * 8);
+  }
   EXPECT_EQ(value_of(tg_SelfTestCheck_CHECK_CONVERTER), 10'000);
   EXPECT_EQ(test.items_count, 12u);
   EXPECT_EQ(chip.bursts, 8u);
@@ -356,6 +363,8 @@ TEST_F(WholeMachine, MirrorsMoveAndTheLaserObeysSilenceAndInterlock) {
   home();
   tg_HostMessage move = tg_HostMessage_init_zero;
   move.which_body = tg_HostMessage_move_galvo_tag;
+  move.body.move_galvo = {170'001, 0};  // beyond what the built-in converters reach
+  EXPECT_EQ(ask(move).body.refused.reason, tg_RefuseReason_REFUSE_OUT_OF_RANGE);
   move.body.move_galvo = {96'000, -48'000};  // 1,000 and -500 steps of 12 bits
   ASSERT_EQ(ask(move).which_body, tg_MachineMessage_done_tag);
   EXPECT_EQ(chip.mirrors, (2'048u - 500) << 16 | (2'048 + 1'000));
@@ -369,7 +378,7 @@ TEST_F(WholeMachine, MirrorsMoveAndTheLaserObeysSilenceAndInterlock) {
   const uint32_t kicks = chip.laser_kicks;
   run_ms(1'000);
   EXPECT_TRUE(chip.laser_on);
-  EXPECT_GE(chip.laser_kicks, kicks + 999);
+  EXPECT_GE(chip.laser_kicks, kicks + 499) << "every second millisecond";
 
   answers = false;  // the host falls silent
   EXPECT_TRUE(run_until([&] { return !chip.laser_on; }, 500));

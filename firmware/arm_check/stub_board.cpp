@@ -15,6 +15,7 @@ struct StubBoard {
   static constexpr uint32_t kCapabilities = 0;
   static constexpr uint32_t kSamplePeriodNs = 10'000;
   static constexpr int32_t kMirrorCodeStep = 1;
+  static constexpr int32_t kMirrorReachUrad = 32'767 * kUradPerMirrorCode;
 
   uint32_t boot_id() const { return cells[0]; }
   uint64_t now_ns() const { return uint64_t{cells[1]} * 1000; }

@@ -71,6 +71,7 @@ concept Board = requires(B board, const B& constant, uint64_t time_ns, uint64_t 
   { board.set_alarm_ns(time_ns) } -> std::same_as<void>;
 
   { B::kMirrorCodeStep } -> std::convertible_to<int32_t>;
+  { B::kMirrorReachUrad } -> std::convertible_to<int32_t>;  // either sign; nominal limits end there
   { board.set_mirrors(code, code) } -> std::same_as<void>;  // a, b; both at once
   { board.set_laser(on) } -> std::same_as<void>;
   // First sample one period after the call; the whole burst takes count periods.

@@ -23,6 +23,7 @@ class FakeBoard {
   static constexpr uint32_t kCapabilities = tg_Capability_CAPABILITY_EMULATED;
   static constexpr uint32_t kSamplePeriodNs = 10'000;
   static constexpr int32_t kMirrorCodeStep = 1;
+  static constexpr int32_t kMirrorReachUrad = 32'767 * kUradPerMirrorCode;
   static constexpr uint32_t kStepTicksPerSecond = 1'000'000'000;
   static constexpr uint64_t kNever = ~uint64_t{0};
 

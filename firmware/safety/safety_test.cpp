@@ -178,7 +178,7 @@ TEST(StateTable, UnknownAndBrokenRequestsAreRefused) {
 TEST(StateTable, TransitionsAreThoseOfThePicture) {
   const std::map<char, std::string> picture = {{'B', "IFE"},    {'I', "HFE"},    {'H', "RFE"},
                                                {'R', "IHASFE"}, {'A', "IHRSFE"}, {'S', "RPFE"},
-                                               {'P', "RSFE"},   {'F', "IRE"},    {'E', "IR"}};
+                                               {'P', "RSFE"},   {'F', "IRE"},    {'E', "I"}};
   for (int from = 0; from < kStates; ++from) {
     for (int to = 0; to < kStates; ++to) {
       EXPECT_EQ(transition_allowed(static_cast<tg_State>(from), static_cast<tg_State>(to)),

@@ -165,6 +165,7 @@ class SelfTest {
       int64_t mean = 0, variance = 0;
       for (int k = 4 * c; k < 4 * c + 4 && sampled; ++k) {
         const Channel& channel = channels_[k];
+        reply_.dark_codes[reply_.dark_codes_count++] = clipped(channel.sum / count);
         const int64_t of_channel = (channel.sum < 0 ? -channel.sum : channel.sum) / count;
         if (of_channel > mean) mean = of_channel;
         // Below 2^30 * 512 * 512 * 1000 < 2^63.

@@ -62,7 +62,7 @@ constexpr uint32_t kTransitions[kStates] = {
     /* SCANNING */ kReady | kPaused | kFault | kEstop,
     /* PAUSED   */ kReady | kScanning | kFault | kEstop,
     /* FAULT    */ kIdle | kReady | kEstop,
-    /* ESTOP    */ kIdle | kReady,
+    /* ESTOP    */ kIdle,
 };
 
 }  // namespace

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // tetragauge-hello: says Hello to a machine and prints version, status, log lines and self-test.
+#include <signal.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -16,6 +19,12 @@ namespace tetragauge {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+std::atomic<bool> stop_asked{false};
+
+void ask_to_stop(int) {
+  stop_asked = true;
+}
 
 struct Options {
   std::string port;
@@ -47,6 +56,7 @@ const char* name_of(tg_ResetCause cause) {
   return cause <= _tg_ResetCause_MAX ? kNames[cause] : kNames[0];
 }
 
+// `test`: nothing in it where the machine did not run it.
 Json describe(const tg_HelloReply& hello, const tg_Status& status, const std::vector<std::string>& logs,
               const tg_SelfTestReply& test) {
   Json out;
@@ -68,6 +78,7 @@ Json describe(const tg_HelloReply& hello, const tg_Status& status, const std::ve
                                 {"value", item.value},
                                 {"limit", item.limit}});
   }
+  out["dark_codes"] = std::vector<int32_t>(test.dark_codes, test.dark_codes + test.dark_codes_count);
   return out;
 }
 
@@ -75,15 +86,22 @@ void print(const Json& out) {
   const auto text = [&](const char* key) { return out[key].get<std::string>(); };
   std::printf("%s, firmware %s, protocol %u\n", text("board").c_str(), text("firmware_version").c_str(),
               out["protocol_version"].get<unsigned>());
-  std::printf("started by %s (boot id %08x), state %s, calibration: %s\n", text("started_by").c_str(),
-              out["boot_id"].get<unsigned>(), text("state").c_str(),
+  std::printf("started by %s (boot id %08x), state %s, inputs %u, calibration: %s\n",
+              text("started_by").c_str(), out["boot_id"].get<unsigned>(), text("state").c_str(),
+              out["inputs"].get<unsigned>(),
               text("calibration").empty() ? "none, nominal numbers" : text("calibration").c_str());
   for (const Json& line : out["log"]) std::printf("log: %s\n", line.get<std::string>().c_str());
-  std::printf("self-test:\n");
+  if (!out["self_test"].empty()) std::printf("self-test:\n");
   for (const Json& item : out["self_test"]) {
     std::printf("  %-15s %-7s value %d, limit %d\n", item["check"].get<std::string>().c_str(),
                 item["result"].get<std::string>().c_str(), item["value"].get<int>(),
                 item["limit"].get<int>());
+  }
+  if (const std::vector<int> codes = out["dark_codes"]; codes.size() == 8) {
+    for (size_t c = 0; c < 2; ++c) {
+      std::printf("  camera %zu, mean codes: x1 %d, x2 %d, y1 %d, y2 %d\n", c + 1, codes[4 * c],
+                  codes[4 * c + 1], codes[4 * c + 2], codes[4 * c + 3]);
+    }
   }
   if (out.contains("round_trip")) {
     const auto& trip = out["round_trip"];
@@ -125,12 +143,13 @@ int run(const Options& options) {
   if (!link) return fail(link.error());
   tg_HostMessage message = tg_HostMessage_init_zero;
   if (options.bootloader) {
+    if (Status ended = end_what_runs(**link); !ended) return fail(ended.error());
     message.which_body = tg_HostMessage_enter_bootloader_tag;
     auto done = (*link)->request(message);
     return done ? 0 : fail(done.error());
   }
   if (options.actions.any()) {
-    if (Status done = run_actions(**link, options.actions); !done) return fail(done.error());
+    if (Status done = run_actions(**link, options.actions, stop_asked); !done) return fail(done.error());
   }
   auto status = (*link)->status();
   if (!status) return fail(status.error());
@@ -139,12 +158,17 @@ int run(const Options& options) {
     return status->fault == tg_FaultCode_FAULT_NONE ? 0 : 1;
   }
   message.which_body = tg_HostMessage_self_test_tag;
-  auto test = (*link)->request(message);
-  if (!test) return fail(test.error());
+  tg_SelfTestReply test = tg_SelfTestReply_init_zero;
+  const auto tested = (*link)->request(message);
+  if (tested) {
+    test = tested->body.self_test;
+  } else if (auto lives = (*link)->status(); !lives) {
+    return fail(tested.error());
+  }
   std::vector<std::string> logs;
   while (const auto log = (*link)->next_log()) logs.emplace_back(log->text);
 
-  Json out = describe((*link)->machine(), *status, logs, test->body.self_test);
+  Json out = describe((*link)->machine(), *status, logs, test);
   if (options.rounds > 0) {
     auto times = time_rounds(**link, options.rounds);
     if (!times) return fail(times.error());
@@ -155,6 +179,8 @@ int run(const Options& options) {
   } else {
     print(out);
   }
+  // A machine at work, or PAUSED: what it is in is shown all the same.
+  if (!tested) return fail(tested.error());
   for (const Json& item : out["self_test"]) {
     if (item["result"] == name_of(tg_SelfTestResult_SELF_TEST_FAILED)) return 1;
   }
@@ -185,13 +211,20 @@ int main(int argc, char** argv) {
                  "swings both mirrors to these angles, urad, and leaves them there")
       ->delimiter(',')
       ->type_name("A,B");
-  app.add_option("--laser", act.laser_s, "after --home: the laser on for so many seconds")
+  app.add_option("--laser", act.laser_s, "after --home: the laser on for so many seconds, or until Ctrl-C")
       ->check(CLI::Range(0.1, 600.0));
   app.add_flag("--bootloader", options.bootloader, "into the chip's bootloader, for flashing");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : static_cast<int>(tetragauge::ErrorKind::usage);
+  }
+  if (options.actions.any()) {
+    struct sigaction action {};
+    action.sa_handler = tetragauge::ask_to_stop;
+    ::sigaction(SIGINT, &action, nullptr);
+    ::sigaction(SIGTERM, &action, nullptr);
+    ::sigaction(SIGHUP, &action, nullptr);
   }
   return tetragauge::run(options);
 }
