@@ -14,6 +14,27 @@ namespace {
 // A grazing ray's sigma across the surface would vanish; its own aiming error does not.
 constexpr double kLeastCosine = 0.1;
 
+// A shot back at the surface starts at least so far outside: above rounding, below any detail.
+constexpr double kBefore_mm = 0.01;
+
+// Of a point to a surface without closed form: along the surface's normal, sought by shooting back at it from
+// outside. The ray's own hit lies as far from the foot of the normal as the point's deviation is long and the
+// ray flat; each shot shortens that by deviation over radius of curvature, and the error is its square over
+// the radius.
+double distance_across(const RayCaster& caster, const RayHit& first, const Vec3& point) {
+  RayHit foot = first;
+  double deviation = foot.normal.dot(point - foot.point_mm);
+  for (int shot = 0; shot < 2; ++shot) {
+    const double before = 2 * std::abs(deviation) + kBefore_mm;
+    const std::optional<RayHit> next = caster.first_hit(point + before * foot.normal, -foot.normal);
+    // Over an edge, or behind another face: the tangent plane is the surface that goes on there.
+    if (!next || next->face != foot.face || next->distance_mm > 2 * before) break;
+    foot = *next;
+    deviation = foot.normal.dot(point - foot.point_mm);
+  }
+  return deviation;
+}
+
 }  // namespace
 
 CastScan cast_scan(const Scan& scan, const Solid& model, const RayCaster& caster, const RigidTransform& T) {
@@ -41,9 +62,8 @@ CastScan cast_scan(const Scan& scan, const Solid& model, const RayCaster& caster
     out.beyond_mm[i] = range - hit->distance_mm;
     out.cosine[i] = std::abs(hit->normal.dot(direction));
     out.sigma_mm[i] = sigma * std::max(kLeastCosine, out.cosine[i]);
-    // A free-form surface has no closed form: to its tangent plane at the hit.
     out.deviation_mm[i] =
-        has_crossings(face) ? distance_to_surface(face, point) : hit->normal.dot(point - hit->point_mm);
+        has_crossings(face) ? distance_to_surface(face, point) : distance_across(caster, *hit, point);
   });
   return out;
 }
