@@ -23,6 +23,7 @@ constexpr size_t kPolishPoints = 1500;   // to choose among them
 constexpr size_t kFinalPoints = 30000;   // of the chosen one
 constexpr double kAlike_rad = 0.07;      // 4 degrees: one minimum found twice
 constexpr double kAlike = 0.015;         // of the model's size
+constexpr double kHopeless = 2;           // times the best one's cost
 constexpr double kExplained = 3;         // in standard deviations of the points about the surface
 constexpr double kLeastOnSurface = 0.6;  // of the points, within the gate
 
@@ -91,6 +92,9 @@ Result<SurfaceMatch> match_surface(const Solid& model, const RayCaster& caster, 
     std::stable_sort(candidates.begin(), candidates.end(),
                      [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
     best = candidates.front().T_model_part;
+    // The next scatter changes what all of them cost by about the same factor.
+    const double most = kHopeless * candidates.front().cost + kSameCost;
+    std::erase_if(candidates, [&](const Candidate& c) { return c.cost > most && !c.is_known; });
   }
 
   const PolishedPose near = polish_on_surface(problem, best, scatter, kFinalPoints, 6);

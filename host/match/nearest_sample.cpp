@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace tetragauge {
 namespace {
@@ -25,6 +26,22 @@ std::vector<Vec3> all_sides() {
         if (count == 1 || count == 3) sides.push_back(Vec3(x, y, z).normalized());
       }
   return sides;
+}
+
+// The index there of the side nearest to a direction: the axis of its largest component, or the corner of its
+// octant.
+size_t side_towards(const Vec3& direction) {
+  // By 9 (x + 1) + 3 (y + 1) + (z + 1).
+  constexpr std::array<uint8_t, 27> kIndex{0, 0, 1, 0, 2, 0, 3,  0, 4,  0, 5,  0, 6, 0,
+                                           7, 0, 8, 0, 9, 0, 10, 0, 11, 0, 12, 0, 13};
+  const Vec3 size = direction.cwiseAbs();
+  int axis = 0;
+  const double largest = size.maxCoeff(&axis);
+  std::array<int, 3> at{1, 1, 1};
+  for (int k = 0; k < 3; ++k)
+    if (largest * std::numbers::sqrt3 < size.sum() || k == axis)
+      at[static_cast<size_t>(k)] = direction[k] < 0 ? 0 : 2;
+  return kIndex[static_cast<size_t>(9 * at[0] + 3 * at[1] + at[2])];
 }
 
 }  // namespace
@@ -83,9 +100,7 @@ std::vector<uint16_t> NearestSample::spread(const Vec3* side) const {
 
 const SurfaceSample* NearestSample::find(const Vec3& p, const Vec3& towards) const {
   if (samples_.empty()) return nullptr;
-  size_t side = 0;
-  for (size_t k = 1; k < sides_.size(); ++k)
-    if (sides_[k].dot(towards) > sides_[side].dot(towards)) side = k;
+  const size_t side = sides_.empty() ? 0 : side_towards(towards);
   const Vec3 at = (p - low_) / cell_mm_;
   const auto cell = [&](int k) {
     return static_cast<int>(std::clamp(at[k], 0.0, size_[static_cast<size_t>(k)] - 1.0));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 namespace tetragauge {
@@ -70,6 +71,7 @@ SurfaceProblem surface_problem(const Solid& model, const RayCaster& caster, cons
   }
   const double size_mm = (model.box_max_mm - model.box_min_mm).norm();
   SurfaceProblem problem{caster,
+                         ShadowCaster(model),
                          NearestSample(surface_samples(model, kModelSamples), true),
                          NearestSample(std::move(scanned), false),
                          std::move(points),
@@ -90,14 +92,21 @@ std::vector<VisibleSample> visible_samples(const SurfaceProblem& problem, const 
   for (const Vec3& origin : problem.origins) origins.push_back(T * origin);
   const double clear_mm = 1e-3 * problem.size_mm;
   const std::vector<SurfaceSample>& samples = problem.model.samples();
+  std::vector<std::pair<double, size_t>> squarely;  // cosine, origin
   for (size_t i = 0; i < std::min(count, samples.size()); ++i) {
-    double most = 0;
-    for (const Vec3& origin : origins) {
-      const double cosine = (origin - samples[i].point_mm).normalized().dot(samples[i].normal);
-      if (cosine <= std::max(most, kLeastCosine)) continue;
-      if (!problem.caster.occluded(samples[i].point_mm + clear_mm * samples[i].normal, origin)) most = cosine;
+    squarely.clear();
+    for (size_t k = 0; k < origins.size(); ++k) {
+      const double cosine = (origins[k] - samples[i].point_mm).normalized().dot(samples[i].normal);
+      if (cosine > kLeastCosine) squarely.push_back({cosine, k});
     }
-    if (most > 0) visible.push_back({&samples[i], most});
+    std::sort(squarely.begin(), squarely.end(), std::greater<>());
+    const Vec3 above = samples[i].point_mm + clear_mm * samples[i].normal;
+    // The triangles will do: the samples lie on them.
+    for (const auto& [cosine, k] : squarely) {
+      if (problem.shadows.occluded(above, origins[k])) continue;
+      visible.push_back({&samples[i], cosine});
+      break;
+    }
   }
   return visible;
 }

@@ -7,6 +7,7 @@
 #include "host/match/nearest_sample.hpp"
 #include "host/scan/scan.hpp"
 #include "host/solid/ray_caster.hpp"
+#include "host/solid/shadow_caster.hpp"
 
 namespace tetragauge {
 
@@ -19,6 +20,7 @@ struct RayPoint {
 
 struct SurfaceProblem {
   const RayCaster& caster;
+  ShadowCaster shadows;
   NearestSample model;           // model frame, by side
   NearestSample scan;            // part frame; normals are zero
   std::vector<RayPoint> points;  // any first part is spread over the whole scan
