@@ -17,20 +17,33 @@ namespace tetragauge {
 struct TriedRay {
   StagePlace place;
   Vec3 at_mm = Vec3::Zero();  // part frame
+  int round = 0;              // in which it was shot
+};
+
+struct TetrahedronSum {
+  size_t tetrahedra = 0;
+  double volume_mm3 = 0;
+
+  void add(double mm3) {
+    ++tetrahedra;
+    volume_mm3 += mm3;
+  }
 };
 
 // Single directions that would decide tetrahedra in doubt, by place of the stage in the order of its way.
 struct DoubtRays {
   std::vector<SingleRay> rays;
-  std::vector<TriedRay> tried;  // what they add to it
-  size_t tetrahedra = 0;        // that a legal ray could still decide
-  double volume_mm3 = 0;
+  std::vector<TriedRay> tried;   // what they add to it
+  TetrahedronSum open;           // that a legal ray could still decide
+  TetrahedronSum in_vain;        // that rays can reach and have been shot at: the doubt remains
+  TetrahedronSum known;          // that rays can reach, but only where the points there have said it already
+  TetrahedronSum in_noise;       // no larger than what the noise of their corners makes
+  TetrahedronSum not_looked_at;  // smaller than those that one round looks at
 };
 
 // A ray is legal when the mirrors reach, nothing of the model is in its way before the tetrahedron, beam and
 // a camera meet the surface where it ends within the largest incidence, both cameras are free, and no edge
-// cuts its spot. It can decide when its way through the tetrahedron is longer than what its own noise leaves
-// open. Needs a reconstruction that keeps its tetrahedra.
+// cuts its spot. What it can decide: README.md. Needs a reconstruction that keeps its tetrahedra.
 DoubtRays rays_at_doubts(const PlanningMachine& machine, const RayCaster& caster,
                          const RigidTransform& T_part_model, const Reconstruction& reconstruction,
                          double max_incidence_rad, std::span<const TriedRay> tried,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 #include "host/measure/append_scan.hpp"
@@ -59,8 +60,40 @@ class Improver {
 
  private:
   std::optional<Error> end(const char* why) {
-    story_.end = why;
+    story_.end = why + what_remains();
     return std::nullopt;
+  }
+
+  // Of what is still in doubt, why no further ray was shot at it.
+  std::string what_remains() const {
+    const Doubts doubts = count_doubts(part_.run, rays_);
+    if (doubts.doubtful == 0) return "";
+    TetrahedronSum unreached{doubts.doubtful, doubts.doubtful_mm3};
+    std::string out = "; " + sum(unreached) + " left in doubt";
+    const char* separator = ": ";
+    const auto say = [&](const TetrahedronSum& some, const char* what) {
+      if (some.tetrahedra == 0) return;
+      out += separator + sum(some) + what;
+      separator = ", ";
+    };
+    for (const TetrahedronSum* part :
+         {&rays_.open, &rays_.in_vain, &rays_.known, &rays_.in_noise, &rays_.not_looked_at}) {
+      unreached.tetrahedra -= part->tetrahedra;
+      unreached.volume_mm3 -= part->volume_mm3;
+    }
+    say(unreached, " that no direction reaches well enough");
+    say(rays_.in_noise, " no thicker than noise makes them");
+    say(rays_.known, " between points that further directions would only repeat");
+    say(rays_.in_vain, " that directions reached and did not decide");
+    say(rays_.not_looked_at, " smaller than the many that were looked at");
+    say(rays_.open, " that more directions could decide");
+    return out;
+  }
+  static std::string sum(const TetrahedronSum& some) {
+    char mm3[40];
+    std::snprintf(mm3, sizeof mm3, "%.1f", std::max(0.0, some.volume_mm3));
+    return std::to_string(some.tetrahedra) + (some.tetrahedra == 1 ? " tetrahedron (" : " tetrahedra (") +
+           mm3 + " mm3)";
   }
 
   double max_incidence_rad() const { return options_.plan.max_incidence_deg * std::numbers::pi / 180; }
@@ -160,7 +193,10 @@ class Improver {
       told.rays = rays_.rays.size();
       add_time(told, time_of_rays_s());
       part_.views += static_cast<uint32_t>(places_of(rays_.rays));
-      tried_.insert(tried_.end(), rays_.tried.begin(), rays_.tried.end());
+      for (TriedRay& ray : rays_.tried) {
+        ray.round = static_cast<int>(story_.rounds.size());
+        tried_.push_back(ray);
+      }
       go_to(machine_, tried_.back().place, stance_);
     }
     return std::nullopt;

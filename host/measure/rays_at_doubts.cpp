@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "host/measure/doubts.hpp"
+#include "host/measure/volume_noise.hpp"
 #include "host/plan/order_views.hpp"
 #include "host/plan/survey_sights.hpp"
 
@@ -16,14 +18,22 @@ namespace {
 constexpr double kVoteSigmas = 3;
 // The ray must come from the side that the tetrahedron wants to be looked at from.
 constexpr double kLeastCosine = 0.17;  // 80 degrees
-// Tried: from the same place within a tenth of a turn, at the same spot within half a spacing.
+// Three sigma on either side of nothing: a tetrahedron whose volume is less comes and goes with the noise of
+// its own corners, and each new point draws others like it.
+constexpr double kNoiseSigmas = 2 * kVoteSigmas;
+// Seen again: from the same place within a tenth of a turn, at the same spot within half a spacing.
 constexpr double kSamePlace_deg = 36, kSamePlace_mm = 60, kSameSpotSpacings = 0.5;
+// A corner of a part has three sides to be asked from. What rays of as many rounds within a spacing, which is
+// as fine as the averaged points can tell, have left in doubt is not a matter of one more ray.
+constexpr size_t kMostAsked = 3;
 // In one round; largest volume first.
 constexpr size_t kMostTetrahedra = 1500;
 
 // A tetrahedron in doubt and where to aim in it, model frame.
 struct Target {
   std::array<Vec3, 4> corners;
+  std::array<Vec3, 4> rays;  // mean directions that the corners were measured along; zero: was not measured
+  std::array<double, 4> sigma_mm{};  // along them
   Vec3 look_from = Vec3::Zero();
   std::vector<Vec3> aims;
   double volume_mm3 = 0;
@@ -63,24 +73,39 @@ double median_sigma(const Reconstruction& reconstruction) {
   return static_cast<double>(*middle);
 }
 
+bool noise_can_make(const Reconstruction& reconstruction, const DoubtfulTetrahedron& doubt) {
+  std::array<NoisyCorner, 4> corners;
+  for (size_t i = 0; i < 4; ++i) {
+    const uint32_t v = reconstruction.cells[doubt.cell].vertex[i];
+    corners[i] = {reconstruction.vertices[v], reconstruction.vertex_ray[v],
+                  static_cast<double>(reconstruction.vertex_sigma_mm[v])};
+  }
+  return doubt.volume_mm3 < kNoiseSigmas * volume_sigma_mm3(corners);
+}
+
+// Those that noise alone can make are counted in `out`.
 std::vector<Target> targets_of(const Reconstruction& reconstruction, const RigidTransform& T_model_part,
-                               double least_way_mm) {
+                               double least_way_mm, DoubtRays& out) {
   std::vector<Target> targets;
-  // Over a facet of the surface, half a square of the spacing, as high as what the noise leaves open: such
-  // ones every new point makes anew.
-  const double in_the_noise_mm3 =
-      0.5 * reconstruction.vertex_spacing_mm * reconstruction.vertex_spacing_mm * least_way_mm / 3;
   for (const DoubtfulTetrahedron& doubt : reconstruction.doubtful_ranked) {
-    if (targets.size() == kMostTetrahedra || doubt.volume_mm3 < in_the_noise_mm3) break;  // largest first
     const LabelledTetrahedron& cell = reconstruction.cells[doubt.cell];
     Target target;
     double longest = 0;
     for (size_t i = 0; i < 4; ++i) {
       target.corners[i] = T_model_part * reconstruction.vertices[cell.vertex[i]];
+      target.rays[i] = T_model_part.R * reconstruction.vertex_ray[cell.vertex[i]];
+      target.sigma_mm[i] = static_cast<double>(reconstruction.vertex_sigma_mm[cell.vertex[i]]);
       for (size_t k = 0; k < i; ++k)
         longest = std::max(longest, (target.corners[i] - target.corners[k]).norm());
     }
-    if (longest < least_way_mm) continue;
+    if (longest < least_way_mm || noise_can_make(reconstruction, doubt)) {
+      out.in_noise.add(doubt.volume_mm3);
+      continue;
+    }
+    if (targets.size() == kMostTetrahedra) {
+      out.not_looked_at.add(doubt.volume_mm3);
+      continue;
+    }
     target.look_from = T_model_part.R * doubt.look_from;
     target.volume_mm3 = doubt.volume_mm3;
     const Vec3 middle = T_model_part * doubt.centroid_mm;
@@ -93,18 +118,42 @@ std::vector<Target> targets_of(const Reconstruction& reconstruction, const Rigid
   return targets;
 }
 
+// A ray that is to end where a corner within a spacing was measured, on the same face, would be averaged with
+// what is there: it says again what that corner's rays have said.
+bool says_again(const Target& target, const RayHit& hit, double spacing_mm) {
+  for (size_t i = 0; i < 4; ++i) {
+    const Vec3 aside = target.corners[i] - hit.point_mm;
+    const double along = std::abs(hit.normal.dot(target.rays[i]));
+    if (hit.normal.dot(target.rays[i]) < 0 && aside.norm() <= spacing_mm &&
+        std::abs(hit.normal.dot(aside)) <= kVoteSigmas * target.sigma_mm[i] * along)
+      return true;
+  }
+  return false;
+}
+
 struct Shot {
   uint32_t target = 0;
   Vec3 at_mm = Vec3::Zero();  // part frame
   MirrorAim aim;
 };
 
+// From about the same place at about the same spot.
 bool was_tried(const StagePlace& place, const Vec3& at_mm, std::span<const TriedRay> tried, double same_mm) {
   return std::any_of(tried.begin(), tried.end(), [&](const TriedRay& ray) {
     return (ray.at_mm - at_mm).norm() <= same_mm &&
            std::abs(std::remainder(ray.place.table_deg - place.table_deg, 360.0)) <= kSamePlace_deg &&
            std::abs(ray.place.slide_mm - place.slide_mm) <= kSamePlace_mm;
   });
+}
+
+// In as many rounds as it is worth, rays were aimed within a spacing of where it would be aimed at.
+bool was_asked_enough(const std::vector<Vec3>& aims_part_mm, std::span<const TriedRay> tried,
+                      double spacing_mm) {
+  std::set<int> rounds;
+  for (const TriedRay& ray : tried)
+    for (const Vec3& at : aims_part_mm)
+      if ((ray.at_mm - at).norm() <= spacing_mm) rounds.insert(ray.round);
+  return rounds.size() >= kMostAsked;
 }
 
 }  // namespace
@@ -115,7 +164,8 @@ DoubtRays rays_at_doubts(const PlanningMachine& machine, const RayCaster& caster
                          const MachineStance& stance) {
   const RigidTransform T_model_part = T_part_model.inverse();
   const double open_mm = kVoteSigmas * median_sigma(reconstruction);
-  const std::vector<Target> targets = targets_of(reconstruction, T_model_part, 2 * open_mm);
+  DoubtRays out;
+  const std::vector<Target> targets = targets_of(reconstruction, T_model_part, 2 * open_mm, out);
   double low_mm = 1e9, high_mm = -1e9;
   for (const Vec3& vertex : reconstruction.vertices) {
     low_mm = std::min(low_mm, vertex.z());
@@ -124,7 +174,16 @@ DoubtRays rays_at_doubts(const PlanningMachine& machine, const RayCaster& caster
   const std::vector<StagePlace> places = places_worth_trying(machine, low_mm, high_mm);
   const double same_mm = kSameSpotSpacings * reconstruction.vertex_spacing_mm;
 
+  std::vector<uint8_t> asked(targets.size());
+  tbb::parallel_for(size_t{0}, targets.size(), [&](size_t k) {
+    std::vector<Vec3> aims;
+    for (const Vec3& at : targets[k].aims) aims.push_back(T_part_model * at);
+    asked[k] = was_asked_enough(aims, tried, reconstruction.vertex_spacing_mm);
+  });
+
   std::vector<std::vector<Shot>> shots(places.size());
+  // Targets that a ray reaches, but one was tried, or would say again what is known.
+  std::vector<std::vector<uint32_t>> seen_again(places.size()), known(places.size());
   tbb::parallel_for(size_t{0}, places.size(), [&](size_t p) {
     const HeadOverPart head(machine, T_part_model, places[p]);
     const Vec3 mirror = head.beam(0, 0).origin_mm;
@@ -147,13 +206,20 @@ DoubtRays rays_at_doubts(const PlanningMachine& machine, const RayCaster& caster
         if (!sight.within(max_incidence_rad) || sight.cameras < 2) continue;
         if (!head.is_clear(caster, ray, *hit)) continue;
         const Vec3 at_part = T_part_model * at;
-        if (!was_tried(places[p], at_part, tried, same_mm)) shots[p].push_back({k, at_part, *aim});
+        const bool goes_through = hit->distance_mm > way->out_mm + open_mm;
+        if (!goes_through && says_again(target, *hit, reconstruction.vertex_spacing_mm)) {
+          known[p].push_back(k);
+          continue;
+        }
+        if (asked[k] || was_tried(places[p], at_part, tried, same_mm))
+          seen_again[p].push_back(k);
+        else
+          shots[p].push_back({k, at_part, *aim});
       }
     }
   });
 
   // Places by what they add per second, until every tetrahedron that can be shot at is.
-  DoubtRays out;
   std::vector<bool> open(targets.size(), true);
   std::vector<size_t> used;
   const double place_s = travel_time_s(machine, {}, {90, 0});
@@ -180,15 +246,22 @@ DoubtRays rays_at_doubts(const PlanningMachine& machine, const RayCaster& caster
     for (const Shot& shot : shots[best_place])
       if (open[shot.target]) taken.push_back(shot);
     for (const Shot& shot : taken) {
-      if (open[shot.target]) {
-        ++out.tetrahedra;
-        out.volume_mm3 += targets[shot.target].volume_mm3;
-      }
+      if (open[shot.target]) out.open.add(targets[shot.target].volume_mm3);
       open[shot.target] = false;
     }
     shots[best_place] = std::move(taken);
     used.push_back(best_place);
   }
+
+  const auto add_left = [&](const std::vector<std::vector<uint32_t>>& lists, TetrahedronSum& sum) {
+    for (const std::vector<uint32_t>& here : lists)
+      for (const uint32_t k : here) {
+        if (open[k]) sum.add(targets[k].volume_mm3);
+        open[k] = false;
+      }
+  };
+  add_left(seen_again, out.in_vain);
+  add_left(known, out.known);
 
   std::vector<StagePlace> way;
   for (const size_t p : used) way.push_back(places[p]);
@@ -200,7 +273,7 @@ DoubtRays rays_at_doubts(const PlanningMachine& machine, const RayCaster& caster
     });
     for (const Shot& shot : here) {
       out.rays.push_back({way[k].table_deg, way[k].slide_mm, shot.aim.a_urad, shot.aim.b_urad});
-      out.tried.push_back({way[k], shot.at_mm});
+      out.tried.push_back({way[k], shot.at_mm, 0});
     }
   }
   return out;
@@ -212,8 +285,8 @@ Doubts count_doubts(const InspectionRun& run, const DoubtRays& open) {
   doubts.doubtful = reconstruction.doubtful;
   for (const DoubtfulTetrahedron& doubt : reconstruction.doubtful_ranked)
     doubts.doubtful_mm3 += doubt.volume_mm3;
-  doubts.resolvable = open.tetrahedra;
-  doubts.resolvable_mm3 = open.volume_mm3;
+  doubts.resolvable = open.open.tetrahedra;
+  doubts.resolvable_mm3 = open.open.volume_mm3;
   for (const FaceInspection& face : run.inspection.faces) {
     doubts.undecided += face.verdict == Verdict::undecided;
     doubts.not_measured +=

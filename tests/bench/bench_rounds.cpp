@@ -10,8 +10,9 @@ namespace {
 
 constexpr int kRounds = 12;
 
-bool bench_part(const MachinePart& part) {
-  BenchMachine bench = start_machine({.csg = part.good, .place = part.place, .faults = ""});
+bool bench_part(const MachinePart& part, const BenchOptions& bench_options) {
+  BenchMachine bench =
+      start_machine({.csg = part.good, .place = part.place, .faults = "", .seed = bench_options.seed});
   const Solid model = solid_of(part.good);
   Tolerances tolerances;
   tolerances.given = true;
@@ -52,7 +53,7 @@ int bench_rounds(const BenchOptions& options) {
               "views", "s", "mm3", "after", "open", "after", "mm3", "after", "und.", "aft.", "n.m.", "aft.");
   bool is_good = true;
   for (const MachinePart& part : machine_parts())
-    if (part.has_slots && is_chosen(options, part)) is_good = bench_part(part) && is_good;
+    if (part.has_slots && is_chosen(options, part)) is_good = bench_part(part, options) && is_good;
   std::printf(
       "mm3 in doubt before and after the rounds; of it tetrahedra that a legal ray could still decide, and "
       "their mm3;\n"

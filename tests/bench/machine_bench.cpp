@@ -83,7 +83,9 @@ int main(int argc, char** argv) {
   add("plan", "Planned scans against the fixed views all round: time, coverage, what is unseen", bench_plan)
       ->add_option("--points", options.points, "Points asked for of every face")
       ->capture_default_str();
-  add("rounds", "Parts with slots: what is in doubt before and after re-measurement", bench_rounds);
+  add("rounds", "Parts with slots: what is in doubt before and after re-measurement", bench_rounds)
+      ->add_option("--seed", options.seed, "Of the emulated machine's noise")
+      ->capture_default_str();
   CLI::App* measure =
       add("measure", "Good and bad parts by many seeds: verdicts, equal reports, faults of the line",
           bench_measure);

@@ -18,6 +18,7 @@ struct BenchOptions {
   size_t points = 100;
   int seeds = 20, rounds = ImproveOptions{}.rounds;
   double pitch_mm = 1;
+  uint64_t seed = 1;  // of the emulated machine's noise
 };
 
 // An emulated machine with a part on it.
