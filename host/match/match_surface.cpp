@@ -23,7 +23,7 @@ constexpr size_t kPolishPoints = 1500;   // to choose among them
 constexpr size_t kFinalPoints = 30000;   // of the chosen one
 constexpr double kAlike_rad = 0.07;      // 4 degrees: one minimum found twice
 constexpr double kAlike = 0.015;         // of the model's size
-constexpr double kHopeless = 2;           // times the best one's cost
+constexpr double kHopeless = 2;          // times the best one's cost
 constexpr double kExplained = 3;         // in standard deviations of the points about the surface
 constexpr double kLeastOnSurface = 0.6;  // of the points, within the gate
 

@@ -12,7 +12,8 @@
 namespace tetragauge {
 namespace {
 
-// How far inside the box 0..size the middle of the segment's stretch in it lies; negative beside it. By slabs.
+// How far inside the box 0..size the middle of the segment's stretch in it lies; negative beside it. By
+// slabs.
 double depth_in_box(const Vec3& a, const Vec3& b, const Vec3& size) {
   double from = 0, to = 1;
   for (int k = 0; k < 3; ++k) {
