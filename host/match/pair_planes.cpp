@@ -9,14 +9,13 @@
 namespace tetragauge {
 namespace {
 
-// Whether the measured patch may lie on the model face, by where its centroid is. If it is the share f of the
-// face, the centroids of the two are at most (1 - f) of the part's size apart: the whole is the weighted mean
-// of the patch and the rest. Without knowing the faces' outlines no more can be said.
-bool may_lie_on(const MatchPlane& face, const MatchPlane& seen, double distance_mm, double size_mm) {
+// How far apart the centroids of a model face and of a measured patch on it may be. If the patch is the share
+// f of the face, at most (1 - f) of the part's size: the whole is the weighted mean of the patch and the
+// rest. Without knowing the faces' outlines no more can be said.
+double most_apart(const MatchPlane& face, const MatchPlane& seen, double size_mm) {
   const double share = seen.area_mm2 / (kAreaSlack * face.area_mm2);
-  if (share > 1) return true;  // it covers other faces of the plane too
-  return distance_mm <
-         (1.1 - share) * size_mm;  // a tenth for patches seen in part, whose centroid is uncertain
+  if (share > 1) return 1e300;     // it covers other faces of the plane too
+  return (1.1 - share) * size_mm;  // a tenth for patches seen in part, whose centroid is uncertain
 }
 
 // A measured face with more than this multiple of all the model's area on the plane is another thing: the
@@ -59,7 +58,7 @@ struct Fit {
   double offset_mm = 0;
   Vec3 normal = Vec3::Zero();  // measured, in the model frame, out of the material
   double tilt_rad = 0;         // its own standard uncertainty
-  double misfit = 0;           // in gates, squared; 2 at most
+  double misfit = 0;           // of offset and direction, in gates, squared; 2 at most
 };
 
 double tilt_sigma(const MatchPlane& plane) {
@@ -85,8 +84,7 @@ std::vector<PlanePair> pair_planes(const PlaneSet& model, const PlaneSet& measur
     const Vec3 point = T * measured.planes[j].point_mm;
     const Vec3 normal = T.R * measured.planes[j].normal;
     Fit best;
-    best.misfit = 2;
-    double best_distance = 0;
+    double least_misfit = 3, best_distance = 0;  // least_misfit: that of the centroids too
     int best_group = -1;
     for (const size_t i : planes_near(model, normal, gates)) {
       const MatchPlane& face = model.planes[i];
@@ -107,16 +105,21 @@ std::vector<PlanePair> pair_planes(const PlaneSet& model, const PlaneSet& measur
       const double turn = face.normal.cross(normal).norm() / gates.angle_rad;
       const double misfit = std::pow(offset / gates.offset_mm, 2) + turn * turn;
       const double distance = (point - face.point_mm).norm();
-      const double bounded_distance = (bounded * (point - face.point_mm)).norm();
-      if (located && !may_lie_on(face, measured.planes[j], bounded_distance, model.size_mm)) continue;
+      const double apart = located ? (bounded * (point - face.point_mm)).norm() /
+                                         most_apart(face, measured.planes[j], model.size_mm)
+                                   : 0;
+      if (apart > 1) continue;
+      // On a ladder of planes closer than the gate the centroid tells the rungs apart.
+      const double with_centroid = misfit + apart * apart;
       const bool same_plane = face.group == best_group;
       const bool nearer = model.has_centroids && measured.has_centroids && distance < best_distance;
-      if (same_plane ? nearer : misfit < best.misfit) {
+      if (same_plane ? nearer : with_centroid < least_misfit) {
         best = {{i, j, flipped},
                 offset,
                 flipped ? Vec3(-normal) : normal,
                 tilt_sigma(measured.planes[j]),
                 misfit};
+        least_misfit = with_centroid;
         best_distance = distance;
         best_group = face.group;
       }

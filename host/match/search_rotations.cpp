@@ -55,8 +55,10 @@ class DirectionScore {
       }
       if (at == model_.size()) continue;
       const double share = angle_between(turned, model_[at].normal) / gate_rad;
-      total += direction.weight * (1 - share * share);
-      if (scatter) *scatter += direction.area_mm2 * model_[at].normal * direction.normal.transpose();
+      const double agrees = 1 - share * share;
+      total += direction.weight * agrees;
+      // An extra face at the edge of the gate must not draw all the others off.
+      if (scatter) *scatter += agrees * direction.area_mm2 * model_[at].normal * direction.normal.transpose();
     }
     return total;
   }

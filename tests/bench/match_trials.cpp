@@ -248,6 +248,19 @@ RigidTransform fit_to_known_pairs(const Trial& trial) {
   return T;
 }
 
+// Measured faces that lie on a model face in this pose, but for twice what the trial's noise does to them.
+size_t faces_on_model(const Trial& trial, const RigidTransform& T) {
+  const TrialNoise noise;
+  return static_cast<size_t>(
+      std::count_if(trial.measured.faces.begin(), trial.measured.faces.end(), [&](const Face& face) {
+        const Face seen = moved(face, T);
+        return std::any_of(trial.model.faces.begin(), trial.model.faces.end(), [&](const Face& at) {
+          return seen.normal.dot(at.normal) >= std::cos(2 * noise.normal_rad) &&
+                 std::abs(at.normal.dot(seen.point_mm) - at.d_mm) <= 2 * noise.offset_mm;
+        });
+      }));
+}
+
 }  // namespace
 
 double processor_ms() {
@@ -334,14 +347,22 @@ TrialResult run_trial(const Trial& trial, bool with_oracle) {
     return best;
   };
   const PoseError error = nearest(trial.T_model_part);
-  result.right = is_right(error);
+  if (is_right(error)) result.miss = Miss::none;
   result.angle_deg = error.angle_rad * 180 / std::numbers::pi;
   result.shift_mm = error.shift_mm;
   const Eigen::Index free_at_truth = free;
-  if (!result.right) {
+  if (result.miss == Miss::fault) {
     const PoseError known = pose_error(fit_to_known_pairs(trial), trial.T_model_part,
                                        free_directions(true_normals(trial), middle), middle);
-    result.answerable = is_right(known);
+    const size_t at_truth = faces_on_model(trial, trial.T_model_part);
+    const bool fits_better = std::any_of(poses.begin(), poses.end(), [&](const EquivalentPose& pose) {
+      return faces_on_model(trial, pose.T_model_part) > at_truth;
+    });
+    if (is_right(known)) {
+      if (fits_better) result.miss = Miss::chance;
+    } else {
+      result.miss = Miss::noise;
+    }
   }
   if (!with_oracle) return result;
 

@@ -33,10 +33,18 @@ struct Trial {
 Trial random_trial(const std::string& part, const FaceList& model, uint64_t seed,
                    const TrialNoise& noise = {});
 
+// Why no returned pose holds the true one within 1 degree and 1 mm, judged without the match's own scores.
+enum class Miss {
+  none,    // one does
+  noise,   // a fit that knows every pair misses too
+  chance,  // a returned pose puts more of the measured faces on model faces, within twice the trial's noise,
+           // than the true one: an extra plane lies where the part has a face that was not seen
+  fault,
+};
+
 struct TrialResult {
-  bool right = false;      // a returned pose holds the true one within 1 degree and 1 mm
-  bool answerable = true;  // if it is not: whether a fit that knows every pair would have been within them
-  bool free_right = true;  // the free directions are those that brute force finds; if asked
+  Miss miss = Miss::fault;
+  bool free_right = true;              // the free directions are those that brute force finds; if asked
   size_t equivalents_missed = 0;       // exact ones, by brute force, that were not returned; if asked
   double angle_deg = 0, shift_mm = 0;  // of the returned pose nearest to the true one
   size_t poses = 0;
