@@ -18,8 +18,9 @@ namespace {
 
 constexpr double kGate = 3;        // sigma
 constexpr double kFacing = -0.02;  // rays run against the normal of what they hit
-// Planes within 10 degrees of one another meet in no edge that a ray could tell: there the nearer one wins.
-constexpr double kSameDirection = 0.985;
+// Planes that turn by less than half a degree, or by less than five of their own uncertainties, meet in no
+// edge that a ray could tell: there the nearer one wins. Before they are fitted, by less than 10 degrees.
+constexpr double kFlattestEdge_rad = 0.0087, kSureTurn = 5, kFlatBeforeFit_rad = 0.174;
 
 // How two faces meet: at a convex edge each ends where it enters the other's outside, at a concave one where
 // it enters the other's material.
@@ -117,6 +118,16 @@ class Assigner {
       faces.push_back(face);
   }
 
+  // Whether two planes are surely not parallel.
+  bool meet(size_t f, size_t g) const {
+    const double turn = planes_[f].normal.cross(planes_[g].normal).norm();
+    if (fits_.empty()) return turn > kFlatBeforeFit_rad;
+    const auto variance = [&](size_t k) {
+      return fits_[k].covariance.matrix.diagonal().tail<2>().maxCoeff();
+    };
+    return turn > std::max(kFlattestEdge_rad, kSureTurn * std::sqrt(variance(f) + variance(g)));
+  }
+
   // The sides on which two faces lie of one another, where they are near one another.
   void find_edges() {
     std::map<std::pair<int32_t, int32_t>, std::pair<size_t, size_t>> sides;  // inside, outside the other
@@ -136,6 +147,7 @@ class Assigner {
     }
     edges_.clear();
     for (const auto& [pair, count] : sides) {
+      if (!meet(static_cast<size_t>(pair.first), static_cast<size_t>(pair.second))) continue;
       const size_t all = count.first + count.second;
       Edge edge = Edge::unknown;
       if (5 * count.first >= 4 * all) edge = Edge::convex;
@@ -165,7 +177,7 @@ class Assigner {
     const Plane &own = planes_[static_cast<size_t>(f)], &other = planes_[static_cast<size_t>(g)];
     const double cosine = own.normal.dot(other.normal);
     const double z_g = deviation(i, g);
-    const Edge edge = std::abs(cosine) > kSameDirection ? Edge::unknown : edge_between(f, g);
+    const Edge edge = edge_between(f, g);
     const auto hold = [](bool holds) { return holds ? Hold::yes : Hold::no; };
     if (edge == Edge::unknown) return hold(z_g > kGate || z_f < z_g || (z_f == z_g && f < g));
     const Vec3 ray = scan_.ray_direction(i);
