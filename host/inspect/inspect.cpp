@@ -70,7 +70,7 @@ Result<InspectionRun> inspect(std::span<const Scan> scans, const Solid& model, c
   out.relations = relate_faces(model, part.faces);
   out.faces = std::move(part.faces);
   out.missing_faces = std::move(part.missing);
-  out.extra_faces = extra_faces(joined, model, run.set_ups, tolerances);
+  out.extra_faces = extra_faces(joined, model, run.set_ups, out.faces, tolerances);
   judge_faces(model, outlines, tolerances, out);
   judge_distances(model, tolerances, out.faces, out.rule);
   judge_misplaced(model, outlines, run.set_ups, tolerances, out);

@@ -110,5 +110,43 @@ TEST(InspectCurved, ABallTooLargeIsNamedWithItsDeviations) {
         << face.model_id << " " << face.profile_mm << " " << face.U_profile_mm;
 }
 
+// The ball has more than a quarter of all points: out of size it is the ball that fails and not the pose, and
+// the flat pieces that a coarse scan makes of it are no faces beside the model's.
+TEST(InspectCurved, ABallOutOfSizeOnAShaftIsNamed) {
+  const auto shaft = [](double r) {
+    const auto post = [](double height, double radius) {
+      const std::string r12 = std::to_string(radius);
+      return "cylinder($fn = 0, $fa = 12, $fs = 2, h = " + std::to_string(height) + ", r1 = " + r12 +
+             ", r2 = " + r12 + ");";
+    };
+    return solid("union() {\n" + at(0, 0, 0, post(6, 15)) + at(0, 0, 0, post(30, 6)) +
+                 at(0, 0, 14, post(4, 11)) + at(0, 0, 34, ball(r)) + "}\n");
+  };
+  const Solid model = shaft(9);
+  for (const auto& [growth, points] :
+       {std::pair(0.3, 20000), std::pair(-0.3, 7500), std::pair(0.8, 7500), std::pair(-0.8, 20000)}) {
+    View view;
+    view.points = static_cast<size_t>(points);
+    view.sigma_mm = 0.03;
+    view.T_scan_model = {rotation_from_degrees(75, -35, 110), Vec3(-20, 40, 10)};
+    const InspectionRun run = run_inspect(scan_of(shaft(9 + growth), view), model, profile(0.2));
+    const Match& match = run.set_ups[0].match;
+    EXPECT_EQ(match.found_by, MatchedBy::surface);
+    EXPECT_EQ(match.undetermined.size(), 1u);
+    EXPECT_TRUE(match.equivalents.empty());
+    const FaceInspection& sphere = result(run, the_only(model, SurfaceType::sphere));
+    EXPECT_EQ(sphere.verdict, Verdict::fail) << growth;
+    ASSERT_TRUE(sphere.radius_mm);
+    EXPECT_NEAR(*sphere.radius_mm, growth, three_sigma(sphere.U_radius_mm));
+    EXPECT_NEAR(sphere.offset_mm, growth, three_sigma(sphere.U_offset_mm));
+    for (const FaceInspection& face : run.inspection.faces) {
+      if (face.model_id != sphere.model_id) {
+        EXPECT_EQ(face.verdict, Verdict::pass) << growth << " " << face.model_id;
+      }
+    }
+    EXPECT_TRUE(run.inspection.extra_faces.empty()) << growth;
+  }
+}
+
 }  // namespace
 }  // namespace tetragauge

@@ -192,6 +192,14 @@ Mean mean_deviation(const FaceMeasurement& in, bool has_normals) {
 
 }  // namespace
 
+double deviation_as_measured(const Face& face, const FaceInspection& measured, const Vec3& point_mm,
+                             double deviation_mm) {
+  if (!measured.measured) return deviation_mm;
+  if (measured.curve)
+    return Moved(measured.curve->pivot_mm, measured.curve->motion).deviation(face, point_mm);
+  return deviation_mm - measured.offset_mm;
+}
+
 void measure_curve(const FaceMeasurement& in, FaceInspection& out) {
   const bool has_normals = has_crossings(in.face);
   const auto square = [](double x) { return x * x; };

@@ -11,6 +11,7 @@
 #include "host/geometry/fit_plane_along_rays.hpp"
 #include "host/inspect/form.hpp"
 #include "host/inspect/point_grid.hpp"
+#include "host/solid/surface_crossings.hpp"
 
 namespace tetragauge {
 namespace {
@@ -22,10 +23,14 @@ class Feet {
     if (in.face.type == SurfaceType::plane) plane_ = fit_along_rays(in);
   }
 
-  // Along its own ray: a point's error is no move over the face.
+  // On a plane along its own ray: a point's error is no move over the face. On a curved face the nearest
+  // place of the surface, or without its closed form where the ray meets it.
   Vec3 of(uint32_t i) const {
     const Vec3& p = in_.cast.points_mm[i];
-    if (!plane_) return p;
+    if (!plane_) {
+      if (!has_crossings(in_.face)) return in_.cast.hit_mm[i];
+      return p - distance_to_surface(in_.face, p) * surface_normal(in_.face, p);
+    }
     const Vec3 at = meet_plane(p, in_.cast.direction[i], plane_->normal, plane_->centroid_mm);
     return at - in_.face.normal * (in_.face.normal.dot(at) - in_.face.d_mm);
   }

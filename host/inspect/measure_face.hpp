@@ -37,6 +37,11 @@ double coverage(const FaceMeasurement& in, double spacing_mm);
 void measure_plane(const FaceMeasurement& in, FaceInspection& out);
 void measure_curve(const FaceMeasurement& in, FaceInspection& out);
 
+// Of a point from a curved face as that was measured: zero but for noise and form where the point is the
+// face's. The model's surface itself where it was not measured.
+double deviation_as_measured(const Face& face, const FaceInspection& measured, const Vec3& point_mm,
+                             double deviation_mm);
+
 // How far residuals larger than sigma promises (form, roughness, an optimistic sigma) widen a variance.
 double inflation(double chi2, double freedom);
 

@@ -116,6 +116,13 @@ void measure(const Sight& sight, const FaceMeasurement& in, bool is_held, double
   }
 }
 
+// On the model's curved face, or on where that one was found to lie.
+bool is_of_curve(const Face& face, const FaceInspection& measured, const CastScan& cast, uint32_t i) {
+  const double limit = 3 * cast.sigma_mm[i], deviation = cast.deviation_mm[i];
+  return std::abs(deviation) <= limit ||
+         std::abs(deviation_as_measured(face, measured, cast.points_mm[i], deviation)) <= limit;
+}
+
 }  // namespace
 
 MeasuredPart measure_faces(const JoinedScan& joined, const Solid& model, const RayCaster& caster,
@@ -171,7 +178,8 @@ MeasuredPart measure_faces(const JoinedScan& joined, const Solid& model, const R
 }
 
 std::vector<ExtraFace> extra_faces(const JoinedScan& joined, const Solid& model,
-                                   const std::vector<SetUp>& set_ups, const Tolerances& tolerances) {
+                                   const std::vector<SetUp>& set_ups,
+                                   const std::vector<FaceInspection>& faces, const Tolerances& tolerances) {
   const CastScan& cast = joined.cast;
   std::vector<ExtraFace> extra;
   for (const MeasuredPatch& patch : joined.patches) {
@@ -191,11 +199,12 @@ std::vector<ExtraFace> extra_faces(const JoinedScan& joined, const Solid& model,
         continue;
       }
       const Face& face = model.faces()[static_cast<size_t>(cast.face[i])];
-      on_curve += face.type != SurfaceType::plane && std::abs(cast.deviation_mm[i]) <= 3 * cast.sigma_mm[i];
+      on_curve += face.type != SurfaceType::plane &&
+                  is_of_curve(face, faces[static_cast<size_t>(cast.face[i])], cast, i);
       if (tolerances.skip.contains(face.id)) continue;
       off += std::abs(cast.deviation_mm[i]) > offset_limit(tolerances.of(face)) + 3 * cast.sigma_mm[i];
     }
-    // A strip of a curved face that came out as a plane is that face, compared point by point.
+    // A strip of a curved face that came out as a plane is that face, in its place or out of it.
     if (2 * on_curve > patch.points.size()) continue;
     out.out_of_tolerance = tolerances.given && 2 * off > patch.points.size();
     extra.push_back(std::move(out));

@@ -20,10 +20,12 @@ MeasuredPart measure_faces(const JoinedScan& joined, const Solid& model, const R
                            const std::vector<FaceOutline>& outlines, const PartPose& pose,
                            const Tolerances& tolerances);
 
-// Measured faces that no model face explains (a boss, a chamfer, the floor of a pocket); out of tolerance
+// Measured faces that no model face explains (a boss, a chamfer, the floor of a pocket; no strip of a curved
+// face that lies where that one was measured, be it out of place); out of tolerance
 // where most of its points lie off the surface that their ray should have met, on either side, by more than
 // the limit there and three sigma.
 std::vector<ExtraFace> extra_faces(const JoinedScan& joined, const Solid& model,
-                                   const std::vector<SetUp>& set_ups, const Tolerances& tolerances);
+                                   const std::vector<SetUp>& set_ups,
+                                   const std::vector<FaceInspection>& faces, const Tolerances& tolerances);
 
 }  // namespace tetragauge

@@ -24,9 +24,10 @@ constexpr double kNoChance = 4;
 // A pose by planes that more of the rays contradict is looked at again by all points.
 constexpr double kTooMuchAgainst = 0.5;
 constexpr double kMostlyPlanes = 0.5;
-// In scatters of the fit, and the share of rays that may be farther off: stray points, what is out of place.
-constexpr double kFarOff = 4, kMostFarOff = 0.25;
+// The share of rays that may speak against a pose by the surface: stray points, what is out of place.
+constexpr double kMostAgainst = 0.25;
 constexpr size_t kMostStarts = 24;
+constexpr size_t kScored = 600;  // rays
 
 // By how many standard deviations more rays contradict a pose than another. Only rays that contradict one of
 // the two count (McNemar, Psychometrika 12 (1947) 153): points on no face of the part (fixture, table) and on
@@ -101,13 +102,13 @@ double share_paired(const Scan& scan, const MeasuredFaces& faces, const Match& m
 }
 
 // Whether another pose is this one within the gates, moved along its free directions.
-bool same_but_for_free(const Match& match, const Match& other, const MatchOptions& known) {
-  const double max_angle = known.max_angle_rad > 0 ? known.max_angle_rad : kDefaultMaxAngle_rad;
-  const Mat3 turn = other.T_model_part.R * match.T_model_part.R.transpose();  // model frame
-  Vec3 shift = other.T_model_part * (match.T_model_part.inverse() * match.centroid_mm) - match.centroid_mm;
+bool same_but_for_free(const RigidTransform& T_model_part, const std::vector<FreeDirection>& undetermined,
+                       const Match& other, const MatchOptions& gates) {
+  const Mat3 turn = other.T_model_part.R * T_model_part.R.transpose();  // model frame
+  Vec3 shift = other.T_model_part * (T_model_part.inverse() * other.centroid_mm) - other.centroid_mm;
   double angle = rotation_angle(turn);
   bool spins = false;
-  for (const FreeDirection& free : match.undetermined) {
+  for (const FreeDirection& free : undetermined) {
     if (free.kind == FreeDirection::Kind::translation) {
       shift -= shift.dot(free.axis) * free.axis;
     } else {
@@ -116,13 +117,14 @@ bool same_but_for_free(const Match& match, const Match& other, const MatchOption
       spins = true;
     }
   }
-  return angle < max_angle && (spins || shift.norm() < known.max_offset_mm);
+  return angle < gates.max_angle_rad && (spins || shift.norm() < gates.max_offset_mm);
 }
 
-// Rays that contradict the pose, as a share.
-double share_against(const RayCaster& caster, const Scan& scan, const Match& match) {
-  const RayScore score = score_rays(caster, scan, match.T_model_part, 600, 0.3 * match.max_offset_mm);
-  return score.rays > 0 ? static_cast<double>(score.against()) / static_cast<double>(score.rays) : 0;
+bool is_one_of(const Match& match, const Match& other, const MatchOptions& gates) {
+  const auto same = [&](const auto& pose) {
+    return same_but_for_free(pose.T_model_part, pose.undetermined, other, gates);
+  };
+  return same(match) || std::any_of(match.equivalents.begin(), match.equivalents.end(), same);
 }
 
 }  // namespace
@@ -132,11 +134,17 @@ Result<Match> match_scan(const Solid& solid, const RayCaster& caster, const Scan
   const double size_mm = (solid.box_max_mm - solid.box_min_mm).norm();
   MatchOptions known = options;  // a solid knows its size and its centroid, which a list only suggests
   if (!(known.max_offset_mm > 0)) known.max_offset_mm = kDefaultMaxOffset * size_mm;
+  if (!(known.max_angle_rad > 0)) known.max_angle_rad = kDefaultMaxAngle_rad;
   Result<Match> planes = match_planes(solid, caster, scan, faces, known);
   // Whoever names pairs of faces wants these, not what fits better without them.
   if (!options.rules.empty()) return planes;
-  const double against = planes ? share_against(caster, scan, *planes) : 1;
-  if (planes && planes->undetermined.empty() && against < kTooMuchAgainst) return planes;
+  const auto score = [&](const Match& match) {
+    return score_rays(caster, scan, match.T_model_part, kScored, 0.3 * known.max_offset_mm);
+  };
+  const RayScore by_planes = planes ? score(*planes) : RayScore{};
+  const bool contradicted =
+      static_cast<double>(by_planes.against()) >= kTooMuchAgainst * static_cast<double>(by_planes.rays);
+  if (planes && planes->undetermined.empty() && !contradicted) return planes;
 
   std::vector<RigidTransform> starts;
   if (planes) {
@@ -148,22 +156,18 @@ Result<Match> match_scan(const Solid& solid, const RayCaster& caster, const Scan
   if (!surface) return planes ? std::move(planes) : Result<Match>(surface.error());
   // Some pose always fits best, also of another part. Of the right one hardly a ray is off by several times
   // the scatter that the fit itself found.
-  const RayScore off =
-      score_rays(caster, scan, surface->match.T_model_part, 600, kFarOff * surface->match.rms_mm);
   surface->match.surface_fit.why = !planes ? "the planes found give no pose"
                                    : planes->undetermined.empty()
                                        ? "most rays contradict the pose that its planes give"
                                        : "its planes leave directions free";
-  if (static_cast<double>(off.against()) > kMostFarOff * static_cast<double>(off.rays)) return planes;
+  if (surface->against > kMostAgainst) return planes;
   if (!planes) return std::move(surface->match);
   // Where planes hold most of the points and are not contradicted, a direction they leave free is held by
   // edges alone, and badly: a pose in which it is named as free says more than one to tenths of a millimetre.
-  if (share_paired(scan, faces, *planes) > kMostlyPlanes && same_but_for_free(*planes, surface->match, known))
+  if (share_paired(scan, faces, *planes) > kMostlyPlanes && is_one_of(*planes, surface->match, known))
     return planes;
-  const bool is_better = surface->start_cost >= surface->cost + kSameCost;
   const bool says_more = surface->match.undetermined.size() < planes->undetermined.size();
-  if (planes->undetermined.empty() ? is_better && share_against(caster, scan, surface->match) < 0.5 * against
-                                   : is_better || says_more)
+  if (says_more || more_against(by_planes, score(surface->match)) > kNoChance)
     return std::move(surface->match);
   return planes;
 }

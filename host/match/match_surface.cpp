@@ -8,11 +8,11 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host/match/faces_out.hpp"
 #include "host/match/fit_surface.hpp"
-#include "host/match/free_on_surface.hpp"
-#include "host/match/polish_on_surface.hpp"
 #include "host/match/rank_poses.hpp"
 #include "host/match/search_surface.hpp"
+#include "host/match/surface_rivals.hpp"
 #include "host/match/turn_text.hpp"
 
 namespace tetragauge {
@@ -21,17 +21,10 @@ namespace {
 constexpr size_t kPolished = 48;         // of the poses found
 constexpr size_t kPolishPoints = 1500;   // to choose among them
 constexpr size_t kFinalPoints = 30000;   // of the chosen one
-constexpr double kAlike_rad = 0.07;      // 4 degrees: one minimum found twice
-constexpr double kAlike = 0.015;         // of the model's size
 constexpr double kHopeless = 2;          // times the best one's cost
 constexpr double kExplained = 3;         // in standard deviations of the points about the surface
+constexpr double kFarOff = 4;            // in scatters of the fit: a ray that speaks against the pose
 constexpr double kLeastOnSurface = 0.6;  // of the points, within the gate
-
-struct Candidate {
-  RigidTransform T_model_part;
-  double cost = 0;
-  bool is_known = false;
-};
 
 std::string why_equivalent(const RigidTransform& other, const RigidTransform& chosen, double more) {
   std::array<char, 80> text{};
@@ -61,52 +54,86 @@ void pair_by_pose(const FaceList& model_list, const FaceList& measured_list, con
   write_pairs(model, measured, pairs, std::vector<bool>(pairs.size(), false), match);
 }
 
+// All poses made as good as they can be point by point, cheapest first, and the scatter that this was done
+// with: one scale for all, that of the pose in which most points lie near the surface, then that of the
+// cheapest.
+SurfaceScatter polish_all(const SurfaceProblem& problem, std::vector<NearbyPose>& poses) {
+  std::vector<double> median(poses.size());
+  tbb::parallel_for(size_t{0}, poses.size(), [&](size_t k) {
+    median[k] = median_distance(problem, poses[k].T_model_part, kPolishPoints);
+  });
+  const auto nearest = std::min_element(median.begin(), median.end()) - median.begin();
+  RigidTransform best = poses[static_cast<size_t>(nearest)].T_model_part;
+  SurfaceScatter scatter;
+  for (int pass = 0; pass < 2; ++pass) {
+    scatter = surface_scatter(problem, ray_residuals(problem, best, kFinalPoints));
+    tbb::parallel_for(size_t{0}, poses.size(), [&](size_t k) {
+      NearbyPose& pose = poses[k];
+      pose.T_model_part =
+          polish_on_surface(problem, pose.T_model_part, scatter, kPolishPoints, 8).T_model_part;
+      pose.cost = surface_cost(problem, pose.T_model_part, scatter);
+    });
+    std::stable_sort(poses.begin(), poses.end(),
+                     [](const NearbyPose& a, const NearbyPose& b) { return a.cost < b.cost; });
+    best = poses.front().T_model_part;
+    // The next scatter changes what all of them cost by about the same factor.
+    const double most = kHopeless * poses.front().cost + kSameCost;
+    std::erase_if(poses, [&](const NearbyPose& pose) { return pose.cost > most; });
+  }
+  return tightened(problem, best, scatter);
+}
+
+// The best pose, those that the points do not tell from it, and the costs of all of them as made.
+struct Settled {
+  SettledPose chosen;
+  double cost = 0;
+  std::vector<NearbyPose> rivals;
+};
+
+Settled settle(const SurfaceProblem& problem, const std::vector<NearbyPose>& poses,
+               const SurfaceScatter& scatter, double most_out_mm) {
+  std::vector<RigidTransform> same;
+  for (const NearbyPose& pose : poses)
+    if (pose.cost < poses.front().cost + kSameCost) same.push_back(pose.T_model_part);
+  const auto settled_at = [&](const RigidTransform& T) {
+    Settled out{settle_on_surface(problem, T, scatter, most_out_mm), 0, {}};
+    out.cost = cost_as_made(problem, out.chosen.pose.T_model_part, scatter, most_out_mm);
+    out.rivals = surface_rivals(problem, out.chosen, same, scatter, most_out_mm);
+    return out;
+  };
+  const Settled first = settled_at(same.front());
+  const auto better =
+      std::min_element(first.rivals.begin(), first.rivals.end(),
+                       [](const NearbyPose& a, const NearbyPose& b) { return a.cost < b.cost; });
+  const bool is_better = better != first.rivals.end() && better->cost + kSameCost <= first.cost;
+  return is_better ? settled_at(better->T_model_part) : first;
+}
+
 }  // namespace
 
 Result<SurfaceMatch> match_surface(const Solid& model, const RayCaster& caster, const Scan& scan,
                                    const FaceList& measured, const MatchOptions& options,
                                    const std::vector<RigidTransform>& known) {
   const SurfaceProblem problem = surface_problem(model, caster, scan);
-  std::vector<SurfacePose> found = search_surface(problem);
-  if (found.size() > kPolished) found.resize(kPolished);
-  std::vector<Candidate> candidates;
-  for (const SurfacePose& pose : found) candidates.push_back({pose.T_model_part, 0, false});
-  for (const RigidTransform& pose : known) candidates.push_back({pose, 0, true});
-  if (candidates.empty()) return undecided_error("the model has no surface to match");
-
-  // One scale for all, that of the pose in which most points lie near the surface; then that of the cheapest.
-  std::vector<double> median(candidates.size());
-  tbb::parallel_for(size_t{0}, candidates.size(), [&](size_t k) {
-    median[k] = median_distance(problem, candidates[k].T_model_part, kPolishPoints);
-  });
-  const auto nearest = std::min_element(median.begin(), median.end()) - median.begin();
-  RigidTransform best = candidates[static_cast<size_t>(nearest)].T_model_part;
-  SurfaceScatter scatter;
-  for (int pass = 0; pass < 2; ++pass) {
-    scatter = surface_scatter(problem, ray_residuals(problem, best, kFinalPoints));
-    tbb::parallel_for(size_t{0}, candidates.size(), [&](size_t k) {
-      Candidate& c = candidates[k];
-      c.T_model_part = polish_on_surface(problem, c.T_model_part, scatter, kPolishPoints, 8).T_model_part;
-      c.cost = surface_cost(problem, c.T_model_part, scatter);
-    });
-    std::stable_sort(candidates.begin(), candidates.end(),
-                     [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
-    best = candidates.front().T_model_part;
-    // The next scatter changes what all of them cost by about the same factor.
-    const double most = kHopeless * candidates.front().cost + kSameCost;
-    std::erase_if(candidates, [&](const Candidate& c) { return c.cost > most && !c.is_known; });
+  std::vector<NearbyPose> poses;
+  for (const SurfacePose& pose : search_surface(problem)) {
+    if (poses.size() == kPolished) break;
+    poses.push_back({pose.T_model_part, 0});
   }
+  for (const RigidTransform& pose : known) poses.push_back({pose, 0});
+  if (poses.empty()) return undecided_error("the model has no surface to match");
+  const size_t compared = poses.size();
+  const SurfaceScatter scatter = polish_all(problem, poses);
+  const Settled settled = settle(problem, poses, scatter, options.max_offset_mm);
 
-  const PolishedPose near = polish_on_surface(problem, best, scatter, kFinalPoints, 6);
-  const PolishedPose chosen = polish_with_faces_out(problem, near.T_model_part, scatter, kFinalPoints, 12);
+  const PolishedPose& chosen = settled.chosen.pose;
+  const SurfaceFreedom& freedom = settled.chosen.freedom;
   if (share_within(ray_residuals(problem, chosen.T_model_part, kPolishPoints), options.max_offset_mm) <
       kLeastOnSurface)
     return undecided_error(
         "in no pose do the scan's points lie on the model's surface; is this the part's model, and are both "
-        "in "
-        "the same unit?");
+        "in the same unit?");
   const std::vector<RayResidual> residuals = ray_residuals(problem, chosen.T_model_part, kFinalPoints);
-  const SurfaceFreedom freedom = free_on_surface(problem, chosen, scatter, kSameCost);
 
   SurfaceMatch out;
   Match& match = out.match;
@@ -118,32 +145,18 @@ Result<SurfaceMatch> match_surface(const Solid& model, const RayCaster& caster, 
   match.surface_fit.scatter_mm = scatter_about_surface(problem, residuals);
   match.surface_fit.explained = share_within(residuals, kExplained * match.surface_fit.scatter_mm);
   match.max_offset_mm = options.max_offset_mm;
-  match.poses_compared = candidates.size();
+  match.poses_compared = compared;
   pair_by_pose(model.list, measured, options, match);
   match.undetermined = freedom.undetermined;
 
-  out.cost = candidates.front().cost;
-  out.start_cost = out.cost;
-  for (const Candidate& c : candidates)
-    if (c.is_known) {
-      out.start_cost = c.cost;
-      break;
-    }
-  Vec3 middle = Vec3::Zero();
-  for (const RayPoint& point : problem.points)
-    middle += point.point_mm / static_cast<double>(problem.points.size());
-  std::vector<RigidTransform> kept{match.T_model_part};
-  for (const Candidate& c : candidates) {
-    if (c.cost >= out.cost + kSameCost) break;
-    const auto alike = [&](const RigidTransform& other) {
-      const PoseDifference apart = apart_but_for(c.T_model_part, other, middle, match.undetermined);
-      return apart.turn_rad < kAlike_rad && apart.shift_mm < kAlike * problem.size_mm;
-    };
-    if (std::any_of(kept.begin(), kept.end(), alike)) continue;
-    kept.push_back(c.T_model_part);
-    match.equivalents.push_back({c.T_model_part,
-                                 why_equivalent(c.T_model_part, match.T_model_part, c.cost - out.cost),
-                                 match.undetermined});
+  out.against =
+      share_against(residuals, settled.chosen.scatter, kFarOff * chosen.rms_mm, options.max_offset_mm);
+  for (const NearbyPose& rival : settled.rivals) {
+    const double more = std::max(0.0, rival.cost - settled.cost);
+    if (more < kSameCost)
+      match.equivalents.push_back({rival.T_model_part,
+                                   why_equivalent(rival.T_model_part, match.T_model_part, more),
+                                   match.undetermined});
   }
   return out;
 }

@@ -8,8 +8,7 @@ namespace tetragauge {
 
 struct SurfaceMatch {
   Match match;
-  double cost = 0;        // see surface_cost
-  double start_cost = 0;  // of the best of the poses given, as good as they can be made; of none: cost
+  double against = 0;  // rays that speak against the pose, as a share (share_against)
 };
 
 // `known`: poses found by other means; they compete with those found here. Error (undecided): in no pose do

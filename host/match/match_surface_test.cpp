@@ -2,14 +2,15 @@
 // Parts with hardly a plane, scanned by simulation from poses of our choice: the pose must come back.
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
 
-#include "host/match/free_on_surface.hpp"
+#include "host/match/faces_out.hpp"
 #include "host/match/match.hpp"
-#include "host/match/polish_on_surface.hpp"
 #include "host/match/rank_poses.hpp"
+#include "host/match/settle_on_surface.hpp"
 #include "host/simulate/simulate.hpp"
 
 namespace tetragauge {
@@ -49,8 +50,8 @@ struct Simulated {
   RigidTransform T_scan_model;
 };
 
-Simulated match_seen_from(const Solid& model, const std::vector<Vec3>& directions, const RigidTransform& T,
-                          uint64_t seed) {
+Simulated match_seen_from(const Solid& part, const Solid& model, const std::vector<Vec3>& directions,
+                          const RigidTransform& T, uint64_t seed) {
   const RayCaster caster(model);
   SimulateOptions options;
   options.points = 6000;
@@ -59,13 +60,18 @@ Simulated match_seen_from(const Solid& model, const std::vector<Vec3>& direction
   options.T_scan_model = T;
   for (const Vec3& direction : directions)
     options.view_points_mm.push_back(T * (model.centroid_mm + 300 * direction));
-  const Result<Scan> scan = simulate(model, caster, options);
+  const Result<Scan> scan = simulate(part, RayCaster(part), options);
   EXPECT_TRUE(scan.ok());
   const Result<Reconstruction> reconstruction = reconstruct(*scan);
   EXPECT_TRUE(reconstruction.ok());
   const Result<MeasuredFaces> faces = find_faces(*scan, *reconstruction);
   EXPECT_TRUE(faces.ok());
   return {match_scan(model, caster, *scan, *faces), T};
+}
+
+Simulated match_seen_from(const Solid& model, const std::vector<Vec3>& directions, const RigidTransform& T,
+                          uint64_t seed) {
+  return match_seen_from(model, model, directions, T, seed);
 }
 
 // Within five standard deviations of its own covariance, along every direction; and that covariance must not
@@ -95,14 +101,14 @@ struct SurfaceProblemRun {
 
   SurfaceProblemRun(const Solid& part, const Solid& model, const RayCaster& caster, const RayCaster& of_part,
                     uint64_t seed)
-      : scan(scan_of(part, of_part, seed)),
+      : scan(scan_of(part, of_part, seed, 0.03)),
         problem(surface_problem(model, caster, scan)),
         scatter(surface_scatter(problem, ray_residuals(problem, T_scan_model.inverse(), 30000))) {}
 
-  static Scan scan_of(const Solid& part, const RayCaster& caster, uint64_t seed) {
+  static Scan scan_of(const Solid& part, const RayCaster& caster, uint64_t seed, double sigma_mm) {
     SimulateOptions options;
     options.points = 3000;
-    options.sigma_mm = 0.03;
+    options.sigma_mm = sigma_mm;
     options.seed = seed;
     options.T_scan_model = kPoses[0];
     Result<Scan> scan = simulate(part, caster, options);
@@ -162,34 +168,112 @@ TEST(MatchSurface, ABallTooLargeHoldsThePartByItsCentre) {
   Vec6 turn = Vec6::Zero();
   turn[2] = 0.008;
   const PolishedPose found = polish_with_faces_out(
-      run.problem, nudged(run.T_scan_model.inverse(), turn, model.centroid_mm), run.scatter, 30000, 18);
+      run.problem, nudged(run.T_scan_model.inverse(), turn, model.centroid_mm), run.scatter, 30000, 18, 1.0);
   const RigidTransform error = found.T_model_part * run.T_scan_model;
   EXPECT_LT(rotation_angle(error.R), 0.001);
   EXPECT_LT((error * model.centroid_mm - model.centroid_mm).norm(), 0.01);
 }
 
 // The oracle is the scatter of 40 poses about the truth, each in units of the covariance that it states: the
-// sum of 240 squares has a chi-square distribution.
-TEST(MatchSurface, PosesScatterNoMoreThanTheirCovariancesSay) {
-  const Solid model =
-      solid("union() {\n" + post(0, 0, 50, 20, 20) + ball(0, 0, 50, 20) + ball(14, 6, 62, 9) + "}\n");
-  const RayCaster caster(model);
+// sum of the squares has a chi-square distribution with as many degrees of freedom as there are directions
+// held.
+void expect_scatter_as_stated(const Solid& part, const Solid& model, double sigma_mm, int held) {
+  const RayCaster caster(model), of_part(part);
+  constexpr double kMostOut_mm = 1;
+  const RigidTransform& T_scan_model = kPoses[0];
   double chi2 = 0;
   for (uint64_t seed = 1; seed <= 40; ++seed) {
-    const SurfaceProblemRun run(model, model, caster, caster, seed);
-    const PolishedPose found =
-        polish_with_faces_out(run.problem, run.T_scan_model.inverse(), run.scatter, 30000, 12);
-    const SurfaceFreedom freedom = free_on_surface(run.problem, found, run.scatter, kSameCost);
-    ASSERT_TRUE(freedom.undetermined.empty());
-    const RigidTransform error = found.T_model_part * run.T_scan_model;
+    const Scan scan = SurfaceProblemRun::scan_of(part, of_part, seed, sigma_mm);
+    const SurfaceProblem problem = surface_problem(model, caster, scan);
+    Vec6 off;
+    off << 3e-4, -2e-4, 2e-4, sigma_mm, -sigma_mm, sigma_mm;
+    const RigidTransform start = nudged(T_scan_model.inverse(), off, model.centroid_mm);
+    const SurfaceScatter rough = surface_scatter(problem, ray_residuals(problem, start, scan.size()));
+    const SettledPose settled = settle_on_surface(problem, start, rough, kMostOut_mm);
+    EXPECT_EQ(settled.freedom.undetermined.size(), static_cast<size_t>(6 - held));
+    const RigidTransform error = settled.pose.T_model_part * T_scan_model;
     const Eigen::AngleAxisd turn(error.R);
-    Vec6 e;
+    const double arm_mm = 0.3 * problem.size_mm;
+    Vec6 e, unit;
     e << turn.angle() * turn.axis(), error * model.centroid_mm - model.centroid_mm;
-    chi2 += e.dot(freedom.covariance.ldlt().solve(e));
+    unit << Vec3::Constant(arm_mm), Vec3::Ones();
+    const Mat6 covariance = unit.asDiagonal() * settled.freedom.covariance * unit.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Mat6> eigen(covariance);  // ascending; free directions have none
+    for (int k = 6 - held; k < 6; ++k)
+      chi2 += std::pow(eigen.eigenvectors().col(k).dot(unit.cwiseProduct(e)), 2) / eigen.eigenvalues()[k];
   }
-  // One in a thousand lies above (Wilson and Hilferty, PNAS 17 (1931) 684). Below is on the safe side: of
-  // points that err together the covariance counts too many rather than too few.
-  EXPECT_LT(chi2, 314);
+  // One in a thousand lies above, one below (Wilson and Hilferty, PNAS 17 (1931) 684).
+  const double freedom = 40 * held, spread = 2 / (9 * freedom);
+  EXPECT_LT(chi2, freedom * std::pow(1 - spread + 3.09 * std::sqrt(spread), 3));
+  EXPECT_GT(chi2, freedom * std::pow(1 - spread - 3.09 * std::sqrt(spread), 3));
+}
+
+std::string capped_cylinder(double boss) {
+  return "union() {\n" + post(0, 0, 50, 20, 20) + ball(0, 0, 50, 20) + ball(14, 6, 62, boss) + "}\n";
+}
+
+std::string ball_on_a_shaft(double r) {
+  return "union() {\n" + post(0, 0, 6, 15, 15) + post(0, 0, 18, 11, 11) + post(0, 0, 30, 6, 6) +
+         ball(0, 0, 34, r) + "}\n";
+}
+
+TEST(MatchSurface, PosesScatterAsTheirCovariancesSay) {
+  const Solid model = solid(capped_cylinder(9));
+  expect_scatter_as_stated(model, model, 0.03, 6);
+  expect_scatter_as_stated(model, model, 0.1, 6);
+}
+
+TEST(MatchSurface, PosesOfAPartOutOfSizeScatterAsTheirCovariancesSay) {
+  expect_scatter_as_stated(solid(ball_on_a_shaft(9.3)), solid(ball_on_a_shaft(9)), 0.01, 5);
+}
+
+// A boss too small or too large holds the turn by its middle; from where it touches the model's on one side
+// the part would look turned by a degree or two.
+TEST(MatchSurface, ABossOfWrongDiameterIsNoWrongPose) {
+  const Solid model = solid(capped_cylinder(9));
+  const Vec3 side = Vec3(1, 0.4, 0.8).normalized();
+  for (const double boss : {8.4, 9.5}) {
+    for (uint64_t seed = 1; seed <= 3; ++seed) {
+      const Simulated run =
+          match_seen_from(solid(capped_cylinder(boss)), model, {side, -side}, kPoses[seed % 2], seed);
+      expect_true_pose(run, model.centroid_mm);
+      EXPECT_EQ(run.match->found_by, MatchedBy::surface);
+      EXPECT_TRUE(run.match->equivalents.empty()) << boss << " " << seed;
+    }
+  }
+}
+
+// What lies off its place as a whole says nothing against the pose; the part upside down does.
+TEST(MatchSurface, ABallOutOfSizeDoesNotSpeakAgainstThePose) {
+  const Solid model = solid(ball_on_a_shaft(9));
+  const RayCaster caster(model);
+  const Vec3 amid = 0.5 * (model.box_min_mm + model.box_max_mm);
+  const Mat3 half_turn = rotation_from_degrees(180, 0, 0);
+  const RigidTransform upside_down{half_turn, amid - half_turn * amid};
+  const double gate_mm = kDefaultMaxOffset * (model.box_max_mm - model.box_min_mm).norm();
+  for (const double r : {8.2, 8.7, 9.0, 9.3, 9.8}) {
+    const Solid part = solid(ball_on_a_shaft(r));
+    const RayCaster of_part(part);
+    const SurfaceProblemRun run(part, model, caster, of_part, 1);
+    const auto against = [&](const RigidTransform& T) {
+      return share_against(ray_residuals(run.problem, T, 3000), run.scatter, 0.12, gate_mm);
+    };
+    EXPECT_LT(against(run.T_scan_model.inverse()), 0.05) << r;
+    EXPECT_GT(against(upside_down * run.T_scan_model.inverse()), 0.4) << r;
+  }
+}
+
+TEST(MatchSurface, AnotherPartsModelIsRefused) {
+  const Vec3 side = Vec3(1, 0.4, 0.8).normalized();
+  const std::string cylinder = "union() {\n" + post(0, 0, 50, 20, 20) + "}\n",
+                    cone = "union() {\n" + post(0, 0, 50, 20, 15) + "}\n";
+  for (const auto& [part, model] : {std::pair(ball_on_a_shaft(9), capped_cylinder(9)),
+                                    std::pair(cylinder, cone), std::pair(cone, cylinder)}) {
+    const Simulated run = match_seen_from(solid(part), solid(model), {side, -side}, kPoses[0], 1);
+    if (run.match.ok()) {
+      EXPECT_EQ(run.match->found_by, MatchedBy::planes);
+    }
+  }
 }
 
 TEST(MatchSurface, ARoundPartsAxisStaysFree) {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Each cell's nearest sample is handed on from cell to cell in two sweeps, as Danielsson's distance maps are
-// made (Computer Graphics and Image Processing 14 (1980) 227).
+// Each cell's nearest sample is handed on from cell to cell in sweeps, as Danielsson's distance maps are made
+// (Computer Graphics and Image Processing 14 (1980) 227).
 #include "host/match/nearest_sample.hpp"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace tetragauge {
@@ -69,31 +70,57 @@ NearestSample::NearestSample(std::vector<SurfaceSample> samples, bool by_side)
 std::vector<uint16_t> NearestSample::spread(const Vec3* side) const {
   const auto [nx, ny, nz] = size_;
   std::vector<uint16_t> nearest(static_cast<size_t>(nx * ny * nz), kNone);
-  const auto offer = [&](int x, int y, int z, uint16_t sample) {
-    uint16_t& at = nearest[index(x, y, z)];
-    if (sample == kNone || sample == at) return;
-    const Vec3 middle = centre(x, y, z);
-    if (at == kNone ||
-        (samples_[sample].point_mm - middle).squaredNorm() < (samples_[at].point_mm - middle).squaredNorm())
-      at = sample;
+  std::vector<float> apart(nearest.size(), std::numeric_limits<float>::max());  // squared, in cells
+  std::vector<Eigen::Vector3f> at;  // samples, in cells from the first one's middle
+  at.reserve(samples_.size());
+  for (const SurfaceSample& sample : samples_)
+    at.push_back(((sample.point_mm - low_) / cell_mm_ - Vec3::Constant(0.5)).cast<float>());
+  const auto offer = [&](int x, int y, int z, size_t cell, uint16_t sample) {
+    if (sample == kNone || sample == nearest[cell]) return;
+    const Eigen::Vector3f& s = at[sample];
+    const float dx = s.x() - static_cast<float>(x), dy = s.y() - static_cast<float>(y),
+                dz = s.z() - static_cast<float>(z);
+    const float square = dx * dx + dy * dy + dz * dz;
+    if (square >= apart[cell]) return;
+    apart[cell] = square;
+    nearest[cell] = sample;
   };
   for (size_t i = 0; i < samples_.size(); ++i) {
     if (side && samples_[i].normal.dot(*side) <= 0) continue;
-    const Vec3 at = (samples_[i].point_mm - low_) / cell_mm_;
-    offer(std::clamp(static_cast<int>(at.x()), 0, nx - 1), std::clamp(static_cast<int>(at.y()), 0, ny - 1),
-          std::clamp(static_cast<int>(at.z()), 0, nz - 1), static_cast<uint16_t>(i));
+    const auto cell = [&](int k, int n) {
+      return std::clamp(static_cast<int>(std::lround(at[i][k])), 0, n - 1);
+    };
+    const int x = cell(0, nx), y = cell(1, ny), z = cell(2, nz);
+    offer(x, y, z, index(x, y, z), static_cast<uint16_t>(i));
   }
+  // Plane after plane along z and back; in each, row after row along y and back; in each, along x and back.
+  const auto along_x = [&](int y, int z) {
+    const size_t row = index(0, y, z);
+    for (int x = 1; x < nx; ++x)
+      offer(x, y, z, row + static_cast<size_t>(x), nearest[row + static_cast<size_t>(x) - 1]);
+    for (int x = nx - 2; x >= 0; --x)
+      offer(x, y, z, row + static_cast<size_t>(x), nearest[row + static_cast<size_t>(x) + 1]);
+  };
+  const auto from = [&](int y, int z, int from_y, int from_z) {
+    const size_t row = index(0, y, z), other = index(0, from_y, from_z);
+    for (int x = 0; x < nx; ++x)
+      offer(x, y, z, row + static_cast<size_t>(x), nearest[other + static_cast<size_t>(x)]);
+  };
   for (const int way : {1, -1}) {
-    const auto first = [&](int n) { return way > 0 ? 0 : n - 1; };
-    const auto inside = [](int v, int n) { return v >= 0 && v < n; };
-    for (int z = first(nz); inside(z, nz); z += way)
-      for (int y = first(ny); inside(y, ny); y += way)
-        for (int x = first(nx); inside(x, nx); x += way)
-          // The thirteen neighbours that this sweep has passed.
-          for (int k = 0; k < 13; ++k) {
-            const int a = x + way * (k % 3 - 1), b = y + way * (k / 3 % 3 - 1), c = z + way * (k / 9 - 1);
-            if (inside(a, nx) && inside(b, ny) && inside(c, nz)) offer(x, y, z, nearest[index(a, b, c)]);
-          }
+    for (int k = 0; k < nz; ++k) {
+      const int z = way > 0 ? k : nz - 1 - k;
+      if (k > 0)
+        for (int y = 0; y < ny; ++y) from(y, z, y, z - way);
+      along_x(0, z);
+      for (int y = 1; y < ny; ++y) {
+        from(y, z, y - 1, z);
+        along_x(y, z);
+      }
+      for (int y = ny - 2; y >= 0; --y) {
+        from(y, z, y + 1, z);
+        along_x(y, z);
+      }
+    }
   }
   return nearest;
 }

@@ -23,7 +23,6 @@ class NearestSample {
 
  private:
   std::vector<uint16_t> spread(const Vec3* side) const;
-  Vec3 centre(int x, int y, int z) const { return low_ + cell_mm_ * Vec3(x + 0.5, y + 0.5, z + 0.5); }
   size_t index(int x, int y, int z) const { return static_cast<size_t>(x + size_[0] * (y + size_[1] * z)); }
 
   std::vector<SurfaceSample> samples_;

@@ -1,43 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The last step of a fit to the surface: each measuring ray against where it should have ended, on the
-// model's analytic faces; and how well a pose does by that.
+// The last step of a fit to the surface: each measuring ray against where it should have ended; and how well
+// a pose does by that.
 #pragma once
 
 #include <vector>
 
-#include "host/geometry/rigid_transform.hpp"
-#include "host/match/surface_problem.hpp"
+#include "host/match/surface_scatter.hpp"
 
 namespace tetragauge {
-
-struct RayResidual {
-  bool near = false;                                    // false: no surface within reach of the point
-  double offset_mm = 0;                                 // across the surface, + = outside
-  double variance_mm2 = 0;                              // of the offset, by the sensor's own sigma
-  Vec3 point_mm = Vec3::Zero(), normal = Vec3::Zero();  // measured point, surface normal, model frame
-  int face = -1;                                        // index of the model's; -1: near an edge
-};
-
-// Of the first `points` of the scan. A ray that passes the model's edge is measured to the nearest sample.
-std::vector<RayResidual> ray_residuals(const SurfaceProblem& problem, const RigidTransform& T, size_t points);
-
-// Across the surface: standard deviation from the median, which stray points do not move.
-double scatter_about_surface(const SurfaceProblem& problem, const std::vector<RayResidual>& residuals);
-
-// How points scatter about the surface beyond their own sigma, and how many of them err together, as those of
-// one wave of a camera's depth do: so many count as one.
-struct SurfaceScatter {
-  double scatter_mm = 0;
-  double together = 1;
-};
-
-SurfaceScatter surface_scatter(const SurfaceProblem& problem, const std::vector<RayResidual>& residuals);
 
 // Minus twice the log-likelihood of the pose, up to a constant: points off the surface, and surface that rays
 // should have met and no point lies on; each counts kMostSurprise at most.
 std::vector<double> surface_costs(const SurfaceProblem& problem, const RigidTransform& T,
                                   const SurfaceScatter& scatter);  // per point, then per model sample
 double surface_cost(const SurfaceProblem& problem, const RigidTransform& T, const SurfaceScatter& scatter);
+
+// The mean of that and of the same with the points of each face that lies off its place as a whole, by at
+// most `most_out_mm`, judged from where it lies, and the face counted as one stray point. By the first alone
+// a boss too small says nothing about the pose, by the second alone a large face in its place no more than a
+// small one.
+double cost_as_made(const SurfaceProblem& problem, const RigidTransform& T, const SurfaceScatter& scatter,
+                    double most_out_mm);
 
 struct PolishedPose {
   RigidTransform T_model_part;
@@ -52,10 +35,12 @@ PolishedPose polish_on_surface(const SurfaceProblem& problem, const RigidTransfo
                                const SurfaceScatter& scatter, size_t points, int iterations,
                                const Vec6& held = Vec6::Zero());
 
-// The same, but a face whose points lie off their place together may have grown or shrunk by about that: a
-// ball too large by 0.1 mm holds the part by its centre, a plane out of place hardly at all.
+// The same, but a face whose points lie off their place together, by at most `most_out_mm`, may have grown or
+// shrunk by about that: a ball too large by 0.1 mm holds the part by its centre, a plane out of place hardly
+// at all.
 PolishedPose polish_with_faces_out(const SurfaceProblem& problem, const RigidTransform& start,
-                                   const SurfaceScatter& scatter, size_t points, int iterations);
+                                   const SurfaceScatter& scatter, size_t points, int iterations,
+                                   double most_out_mm);
 
 // A small turn and shift about the pivot, model frame.
 RigidTransform nudged(const RigidTransform& T, const Vec6& step, const Vec3& pivot_mm);

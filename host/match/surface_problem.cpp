@@ -67,10 +67,11 @@ SurfaceProblem surface_problem(const Solid& model, const RayCaster& caster, cons
   for (const size_t i : spread_indices(scan.size(), kScanPoints)) {
     points.push_back({scan.points[i], -scan.ray_direction(i), (scan.points[i] - scan.ray_origins[i]).norm(),
                       static_cast<double>(scan.sigma_mm[i])});
-    if (scanned.size() < kScanSamples) scanned.push_back({scan.points[i], Vec3::Zero()});
+    if (scanned.size() < kScanSamples) scanned.push_back({scan.points[i], Vec3::Zero(), -1});
   }
   const double size_mm = (model.box_max_mm - model.box_min_mm).norm();
-  SurfaceProblem problem{caster,
+  SurfaceProblem problem{model.faces(),
+                         caster,
                          ShadowCaster(model),
                          NearestSample(surface_samples(model, kModelSamples), true),
                          NearestSample(std::move(scanned), false),

@@ -19,6 +19,7 @@ struct RayPoint {
 };
 
 struct SurfaceProblem {
+  const std::vector<Face>& faces;  // the model's
   const RayCaster& caster;
   ShadowCaster shadows;
   NearestSample model;           // model frame, by side

@@ -29,7 +29,8 @@ std::vector<SurfaceSample> surface_samples(const Solid& model, size_t count) {
     const Vec3 across = ab.cross(ac);
     if (!(across.norm() > 0)) continue;
     const double root = std::sqrt(u[1]);
-    samples.push_back({a + root * (1 - u[2]) * ab + root * u[2] * ac, across.normalized()});
+    samples.push_back({a + root * (1 - u[2]) * ab + root * u[2] * ac, across.normalized(),
+                       static_cast<int>(model.triangle_face[t])});
   }
   return samples;
 }

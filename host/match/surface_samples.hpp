@@ -13,6 +13,7 @@ namespace tetragauge {
 struct SurfaceSample {
   Vec3 point_mm = Vec3::Zero();
   Vec3 normal = Vec3::Zero();  // unit, outward
+  int face = -1;               // index of the model's
 };
 
 // Equal areas give equal numbers of samples; any first part of the list is spread over the whole surface.

@@ -78,36 +78,52 @@ def error(pose, truth, centre, free):
     return degrees, math.dist(free_of(shift, slid), (0, 0, 0))
 
 
+def inspected(program, folder, scan, sigma):
+    """(error of each pose that the report of one scan gives, the report); of no pose (None, what the program said)."""
+    name = os.path.basename(scan).removesuffix('_Source.ply')
+    with open(os.path.join(folder, 'filtered', name + '.json'), encoding='utf-8') as file:
+        truth = json.load(file)
+    stl = os.path.join(folder, 'CAD', truth['name'] + '.stl')
+    centre = surface_centroid_mm(stl)
+    with tempfile.TemporaryDirectory() as out:
+        done = subprocess.run([program, 'inspect', scan, '--model', stl,
+                               '--scan-unit', 'm', '--model-unit', 'cm', '--ray-origin', '0,0,0', '--sigma', str(sigma),
+                               '--out', out, '--json', '-', '--quiet'], capture_output=True, text=True, check=False)
+    if not done.stdout:
+        return None, done.stderr.strip()
+    report = json.loads(done.stdout)
+    return [min((error(p, t, centre, report['undetermined']) for t in truth['transformation']), key=max)
+            for p in [report['pose'], *report['equivalents']]], report
+
+
+def is_good(e):
+    return e[0] < GOOD_DEG and e[1] < GOOD_MM
+
+
+def scans_in(folder):
+    return sorted(glob.glob(os.path.join(folder, 'filtered', '*_Source.ply')))
+
+
 def main():
     program, folder = sys.argv[1:3]
     sigma = float(sys.argv[3]) if len(sys.argv) > 3 else SIGMA_MM
     matched = determined = 0
-    scans = sorted(glob.glob(os.path.join(folder, 'filtered', '*_Source.ply')))
+    scans = scans_in(folder)
     print(f'{"scan":<20}{"degrees":>9}{"mm":>8}  poses  what')
     for scan in scans:
         name = os.path.basename(scan).removesuffix('_Source.ply')
-        with open(os.path.join(folder, 'filtered', name + '.json'), encoding='utf-8') as file:
-            truth = json.load(file)
-        stl = os.path.join(folder, 'CAD', truth['name'] + '.stl')
-        centre = surface_centroid_mm(stl)
-        with tempfile.TemporaryDirectory() as out:
-            done = subprocess.run([program, 'inspect', scan, '--model', stl,
-                                   '--scan-unit', 'm', '--model-unit', 'cm', '--ray-origin', '0,0,0', '--sigma', str(sigma),
-                                   '--out', out, '--json', '-', '--quiet'], capture_output=True, text=True, check=False)
-        if not done.stdout:
-            print(f'{name:<20}{"-":>9}{"-":>8}{"-":>7}  no pose: {done.stderr.strip()}')
+        errors, report = inspected(program, folder, scan, sigma)
+        if not errors:
+            print(f'{name:<20}{"-":>9}{"-":>8}{"-":>7}  no pose: {report}')
             continue
-        report = json.loads(done.stdout)
-        poses = [report['pose'], *report['equivalents']]
-        errors = [min((error(p, t, centre, report['undetermined']) for t in truth['transformation']), key=lambda e: max(e)) for p in poses]
-        good = [e[0] < GOOD_DEG and e[1] < GOOD_MM for e in errors]
+        good = [is_good(e) for e in errors]
         matched += any(good)
         determined += any(good) and not report['undetermined']
         best = min(errors, key=max)
         what = 'matched' if good[0] else 'matched by one of its equivalents' if any(good) else 'WRONG'
         free = ', '.join(f['kind'] for f in report['undetermined'])
         faces = f'{len(report["pairs"])} faces paired'
-        print(f'{name:<20}{best[0]:>9.2f}{best[1]:>8.2f}{len(poses):>7}  {what}; {faces}' + (f'; free: {free}' if free else ''), flush=True)
+        print(f'{name:<20}{best[0]:>9.2f}{best[1]:>8.2f}{len(errors):>7}  {what}; {faces}' + (f'; free: {free}' if free else ''), flush=True)
     print(f'{matched} of {len(scans)} matched within {GOOD_DEG:.0f} degrees and {GOOD_MM:.0f} mm, sigma {sigma} mm; '
           f'{determined} of them in all six directions, the others but for the free directions named')
 
