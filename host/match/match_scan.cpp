@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "host/match/held_by_curves.hpp"
 #include "host/match/match.hpp"
 #include "host/match/match_surface.hpp"
 #include "host/match/rank_poses.hpp"
@@ -162,9 +163,12 @@ Result<Match> match_scan(const Solid& solid, const RayCaster& caster, const Scan
                                        : "its planes leave directions free";
   if (surface->against > kMostAgainst) return planes;
   if (!planes) return std::move(surface->match);
-  // Where planes hold most of the points and are not contradicted, a direction they leave free is held by
-  // edges alone, and badly: a pose in which it is named as free says more than one to tenths of a millimetre.
-  if (share_paired(scan, faces, *planes) > kMostlyPlanes && is_one_of(*planes, surface->match, known))
+  // Where planes hold most of the points and are not contradicted, a direction that neither they nor curved
+  // faces hold is held by edges alone, and badly: a pose in which it is named as free says more than one to
+  // tenths of a millimetre.
+  if (share_paired(scan, faces, *planes) > kMostlyPlanes && is_one_of(*planes, surface->match, known) &&
+      !curves_hold(planes->undetermined, solid, caster, scan, surface->match.T_model_part,
+                   0.3 * known.max_offset_mm))
     return planes;
   const bool says_more = surface->match.undetermined.size() < planes->undetermined.size();
   if (says_more || more_against(by_planes, score(surface->match)) > kNoChance)

@@ -128,5 +128,32 @@ TEST(MatchScan, ABoxWithAHoleIsResolvedByRaysAlone) {
         << other.why;
 }
 
+TEST(MatchScan, AFlangeIsHeldByItsRimHoweverManyPointsLieOnItsPlanes) {
+  // Two large planes and a rim: the planes leave it free to slide and to turn, its curved faces hold it
+  // across its axis, its one bolt hole holds the turn.
+  const auto at = [](double x, double y, double z, double h, double r) {
+    const auto number = [](double value) { return std::to_string(value); };
+    return "multmatrix([[1, 0, 0, " + number(x) + "], [0, 1, 0, " + number(y) + "], [0, 0, 1, " + number(z) +
+           "], [0, 0, 0, 1]]) { cylinder($fn = 0, $fa = 12, $fs = 2, h = " + number(h) +
+           ", r1 = " + number(r) + ", r2 = " + number(r) + ", center = false); }\n";
+  };
+  const Solid model = solid("difference() { union() {\n" + at(0, 0, 0, 5, 26) + at(0, 0, 4, 9, 11) + "}\n" +
+                            at(0, 0, -1, 30, 6) + at(19, 0, -1, 30, 4) + "}\n");
+  const RigidTransform T{rotation_from_degrees(15, 20, 25), Vec3(5, 6, 7)};
+  const Simulated run = match_simulated(model, model, 12000, 4, T);
+  EXPECT_TRUE(run.match->undetermined.empty());
+  EXPECT_TRUE(run.match->equivalents.empty());
+  // The pose's own covariance, five standard deviations of each of the six.
+  const Vec3 turn = run.error.R * Vec3::UnitX() - Vec3::UnitX(), lean = run.error.R * Vec3::UnitZ();
+  EXPECT_LT(std::abs(turn.y()), 5 * std::sqrt(run.match->covariance(2, 2)));
+  EXPECT_LT(std::abs(lean.y()), 5 * std::sqrt(run.match->covariance(0, 0)));
+  EXPECT_LT(std::abs(lean.x()), 5 * std::sqrt(run.match->covariance(1, 1)));
+  const Vec3 shift = run.error * model.centroid_mm - model.centroid_mm;
+  for (int k = 0; k < 3; ++k)
+    EXPECT_LT(std::abs(shift[k]), 5 * std::sqrt(run.match->covariance(3 + k, 3 + k)));
+  // And that is small: thousands of points of sigma 0.02 mm hold it.
+  EXPECT_LT(std::sqrt(run.match->covariance.block<3, 3>(3, 3).trace()), 0.01);
+}
+
 }  // namespace
 }  // namespace tetragauge

@@ -28,7 +28,8 @@ RayScore score_rays(const RayCaster& caster, const Scan& scan, const RigidTransf
     const double tolerance = std::max(3.0 * static_cast<double>(scan.sigma_mm[i]), tolerance_mm / across);
     const bool through = hit && hit->distance_mm < range - tolerance;
     const bool in_air = !hit || hit->distance_mm > range + tolerance;
-    score.sampled.push_back({hit ? hit->face : -1, through || in_air});
+    score.sampled.push_back(
+        {hit ? hit->face : -1, hit ? hit->normal : Vec3(Vec3::Zero()), through || in_air});
     if (through) {
       ++score.through;
       score.inside_mm += caster.length_inside(origin, point - tolerance * direction);

@@ -12,7 +12,8 @@
 namespace tetragauge {
 
 struct SampledRay {
-  int face = -1;  // index of the model face its beam met first; -1: none
+  int face = -1;               // index of the model face its beam met first; -1: none
+  Vec3 normal = Vec3::Zero();  // of that face where the beam met it, model frame
   bool is_against = false;
 };
 
