@@ -78,15 +78,32 @@ double spacing_of(const std::vector<Ray>& rays) {
   return spacing[spacing.size() / 2];
 }
 
+double material_limit(const FaceTolerance& tolerance) {
+  return std::min(tolerance.flatness_mm.value_or(1e300), offset_limit(tolerance));
+}
+
+// Across the surface, beyond what its tolerance allows and three sigma.
+double beyond_limit(const CastScan& cast, uint32_t i, double limit_mm) {
+  return std::abs(cast.deviation_mm[i]) - (limit_mm + 3 * cast.sigma_mm[i]);
+}
+
 // Points of the measured faces that were matched to `face`, whose rays should have met something else or
-// nothing: the part's face goes on where the model's ends, over a hole that was not made for instance.
-std::vector<uint32_t> beyond_its_edge(const Solid& model, const JoinedScan& joined, const Face& face) {
+// nothing, and which do not lie on that either, as the first strip of a fillet does: the part's face goes on
+// where the model's ends, over a hole that was not made for instance.
+std::vector<uint32_t> beyond_its_edge(const Solid& model, const JoinedScan& joined, const Face& face,
+                                      const Tolerances& tolerances, double limit_mm) {
   std::vector<uint32_t> beyond;
   for (const MeasuredPatch& patch : joined.patches) {
     if (patch.model_id != face.id) continue;
     for (const uint32_t i : patch.points) {
       const int met = joined.cast.face[i];
-      if (met < 0 || model.faces()[static_cast<size_t>(met)].surface != face.surface) beyond.push_back(i);
+      if (met >= 0) {
+        const Face& other = model.faces()[static_cast<size_t>(met)];
+        if (other.surface == face.surface) continue;
+        const FaceTolerance its = tolerances.of(other);
+        if (beyond_limit(joined.cast, i, has_tolerance(its) ? material_limit(its) : limit_mm) <= 0) continue;
+      }
+      beyond.push_back(i);
     }
   }
   return beyond;
@@ -153,17 +170,16 @@ void find_material_faults(const Solid& model, const JoinedScan& joined,
     const FaceTolerance tolerance = tolerances.of(face);
     if (!has_tolerance(tolerance) || tolerances.skip.contains(face.id)) continue;
     if (inspection.faces[k].verdict == Verdict::fail) continue;
-    const double limit_mm = std::min(tolerance.flatness_mm.value_or(1e300), offset_limit(tolerance));
+    const double limit_mm = material_limit(tolerance);
 
     std::vector<Ray> rays;
     double sigma_mm = 0;
     for (const uint32_t i : rays_of_face[k]) {
-      const double off_mm = std::abs(cast.deviation_mm[i]) - (limit_mm + 3 * cast.sigma_mm[i]);
-      const int missed = off_mm <= 0 ? 0 : cast.beyond_mm[i] > 0 ? -1 : 1;
+      const int missed = beyond_limit(cast, i, limit_mm) <= 0 ? 0 : cast.beyond_mm[i] > 0 ? -1 : 1;
       rays.push_back({cast.hit_mm[i], std::abs(cast.deviation_mm[i]), missed});
       sigma_mm = std::max(sigma_mm, cast.sigma_mm[i]);
     }
-    for (const uint32_t i : beyond_its_edge(model, joined, face)) {
+    for (const uint32_t i : beyond_its_edge(model, joined, face, tolerances, limit_mm)) {
       const double depth_mm = cast.face[i] < 0 ? 0 : std::abs(cast.beyond_mm[i]);
       rays.push_back({cast.points_mm[i], depth_mm, 1});
     }

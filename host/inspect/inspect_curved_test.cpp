@@ -148,5 +148,33 @@ TEST(InspectCurved, ABallOutOfSizeOnAShaftIsNamed) {
   }
 }
 
+// Where a plane goes over into a fillet without an edge, the first strip of the fillet passes for the plane
+// within the noise: no material in excess beyond the plane's end.
+TEST(InspectCurved, AGoodPartWithRoundedEdgesPasses) {
+  const auto post = [](double x, double y, double r) {
+    const std::string radius = std::to_string(r);
+    return at(x, y, 0,
+              "cylinder($fn = 0, $fa = 12, $fs = 2, h = 15, r1 = " + radius + ", r2 = " + radius + ");");
+  };
+  const auto block = [](double y, double length, double width) {
+    return at(
+        0, y, 0,
+        "cube(size = [" + std::to_string(length) + ", " + std::to_string(width) + ", 15], center = false);");
+  };
+  // 19 x 5 x 15 mm; one end round, the edges of the other rounded by 1 mm.
+  const Solid model = solid("union() {\n" + block(-2.5, 15, 5) + post(0, 0, 2.5) + block(-1.5, 16, 3) +
+                            post(15, -1.5, 1) + post(15, 1.5, 1) + "}\n");
+  for (uint64_t seed = 1; seed <= 2; ++seed) {
+    View view;
+    view.points = 20000;
+    view.sigma_mm = 0.03;
+    view.seed = seed;
+    view.T_scan_model = {rotation_from_degrees(20, 30, 40), Vec3(5, 6, 7)};
+    const InspectionRun run = run_inspect(scan_of(model, view), model, profile(0.4));
+    EXPECT_EQ(run.inspection.verdict, Verdict::pass) << seed;
+    EXPECT_TRUE(run.inspection.material_faults.empty()) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace tetragauge
