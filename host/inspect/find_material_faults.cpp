@@ -87,9 +87,9 @@ double beyond_limit(const CastScan& cast, uint32_t i, double limit_mm) {
   return std::abs(cast.deviation_mm[i]) - (limit_mm + 3 * cast.sigma_mm[i]);
 }
 
-// Points of the measured faces that were matched to `face`, whose rays should have met something else or
-// nothing, and which do not lie on that either, as the first strip of a fillet does: the part's face goes on
-// where the model's ends, over a hole that was not made for instance.
+// Points of the measured faces that were matched to `face`, whose rays should have met something behind
+// them or nothing, and which do not lie on that either, as the first strip of a fillet does: the part's face
+// goes on where the model's ends, over a hole that was not made for instance.
 std::vector<uint32_t> beyond_its_edge(const Solid& model, const JoinedScan& joined, const Face& face,
                                       const Tolerances& tolerances, double limit_mm) {
   std::vector<uint32_t> beyond;
@@ -99,7 +99,7 @@ std::vector<uint32_t> beyond_its_edge(const Solid& model, const JoinedScan& join
       const int met = joined.cast.face[i];
       if (met >= 0) {
         const Face& other = model.faces()[static_cast<size_t>(met)];
-        if (other.surface == face.surface) continue;
+        if (other.surface == face.surface || joined.cast.beyond_mm[i] >= 0) continue;
         const FaceTolerance its = tolerances.of(other);
         if (beyond_limit(joined.cast, i, has_tolerance(its) ? material_limit(its) : limit_mm) <= 0) continue;
       }

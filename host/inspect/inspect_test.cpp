@@ -4,6 +4,9 @@
 #include <numbers>
 #include <random>
 
+#include "host/inspect/join_set_ups.hpp"
+#include "host/inspect/measure_faces.hpp"
+#include "host/inspect/part_pose.hpp"
 #include "host/inspect/test_scans.hpp"
 
 namespace tetragauge {
@@ -115,6 +118,28 @@ TEST(Inspect, AMissingStepIsProvedAbsentByRays) {
   EXPECT_EQ(missing, expected);
 }
 
+TEST(Inspect, WhereTheFacesEndIsNotKnownNoneIsAbsent) {
+  Outline outline = kStaircase;
+  outline.erase(outline.begin() + 7, outline.begin() + 10);  // the uppermost step is cut off
+  outline.insert(outline.begin() + 7, {0, 50});
+  const Solid model = staircase(), part = solid(swept(outline, 0, 60));
+  const Scan scan = scan_of(part);
+  InspectionRun run = run_inspect(scan, model, profile(0.2));
+  const RayCaster caster(model);
+  const auto missing = [&] {
+    const JoinedScan joined = join_set_ups(std::span(&scan, 1), model, caster, run.set_ups);
+    return measure_faces(joined, model, caster, face_outlines(model), best_fit(run.set_ups), profile(0.2))
+        .missing;
+  };
+  EXPECT_EQ(missing().size(), 2u);
+  // Were the pose free to shift, rays through their places would prove nothing of these faces.
+  FreeDirection along;
+  along.kind = FreeDirection::Kind::translation;
+  along.axis = Vec3::UnitX();
+  run.set_ups[0].match.undetermined.push_back(along);
+  EXPECT_TRUE(missing().empty());
+}
+
 TEST(Inspect, AnExtraBossFails) {
   // A block of 12 x 20 x 6 mm on the tread z = 20.
   const std::string boss =
@@ -191,6 +216,40 @@ TEST(Inspect, APocketAHoleOrADomeThatTheModelDoesNotHaveFails) {
   const InspectionRun good = run_inspect(scan_of(model, {.points = 20000}), model, profile(0.4));
   EXPECT_EQ(good.inspection.verdict, Verdict::pass);
   EXPECT_TRUE(good.inspection.material_faults.empty());
+}
+
+TEST(Inspect, AHoleThatWasNotMadeIsAbsentAndOneThatIsCoveredIsNot) {
+  const std::string with_hole =
+      "difference() { " + kBlock + at(26, 26, -1, "cylinder(h = 50, r1 = 5, r2 = 5);") + "}";
+  const Solid model = solid(with_hole);
+  const auto hole = std::find_if(model.faces().begin(), model.faces().end(),
+                                 [](const Face& face) { return face.type == SurfaceType::cylinder; });
+  ASSERT_NE(hole, model.faces().end());
+  const InspectionRun filled = run_inspect(scan_of(solid(kBlock), {.points = 20000}), model, profile(0.4));
+  EXPECT_EQ(filled.inspection.verdict, Verdict::fail);
+  EXPECT_EQ(filled.inspection.missing_faces, std::vector<int>{hole->id});
+  EXPECT_EQ(result(filled, hole->id).verdict, Verdict::fail);
+
+  // Lids of 5 mm on both its mouths: the hole may be there all the same.
+  const std::string lid = "cube(size = [18, 18, 6], center = false);";
+  const Solid lidded = solid("union() { " + with_hole + at(17, 17, -5, lid) + at(17, 17, 29, lid) + "}");
+  const InspectionRun covered = run_inspect(scan_of(lidded, {.points = 20000}), model, profile(0.4));
+  EXPECT_EQ(covered.inspection.verdict, Verdict::fail);  // for the lids
+  EXPECT_TRUE(covered.inspection.missing_faces.empty());
+  EXPECT_EQ(result(covered, hole->id).verdict, Verdict::not_measured);
+}
+
+TEST(Inspect, NoiseAcrossAFlatEdgeIsNoMaterial) {
+  // A flat on a shaft meets it at 46 degrees: noise of 0.3 mm carries points of either over the edge.
+  const Solid model =
+      solid("difference() { cylinder($fn = 0, $fa = 12, $fs = 2, h = 40, r1 = 10, r2 = 10); " +
+            at(7, -20, 15, "cube(size = [40, 40, 40], center = false);") + "}");
+  for (const uint64_t seed : {uint64_t{1}, uint64_t{2}}) {
+    const Scan scan = scan_of(model, {.points = 5000, .sigma_mm = 0.3, .seed = seed});
+    const InspectionRun run = run_inspect(scan, model, profile(0.2));
+    EXPECT_NE(run.inspection.verdict, Verdict::fail) << seed;
+    EXPECT_TRUE(run.inspection.material_faults.empty()) << seed;
+  }
 }
 
 TEST(Inspect, AFaceNobodySawIsNeverAPass) {

@@ -56,11 +56,11 @@ JoinedScan join_set_ups(std::span<const Scan> scans, const Solid& model, const R
     joined.spot_mm = std::max(joined.spot_mm, scans[s].header.spot_mm);
     joined.max_offset_mm = std::max(joined.max_offset_mm, match.max_offset_mm);
     for (const FreeDirection& free : match.undetermined)
-      joined.is_determined = joined.is_determined && free.kind == FreeDirection::Kind::rotation;
+      joined.is_free_to_shift = joined.is_free_to_shift || free.kind == FreeDirection::Kind::translation;
   }
   joined.held = held_faces(model, set_ups);
-  joined.is_determined =
-      joined.is_determined && std::find(joined.held.begin(), joined.held.end(), false) == joined.held.end();
+  joined.is_determined = !joined.is_free_to_shift &&
+                         std::find(joined.held.begin(), joined.held.end(), false) == joined.held.end();
   return joined;
 }
 

@@ -27,6 +27,7 @@ struct JoinedScan {
   double spot_mm = 0;                  // likewise
   double max_offset_mm = 0;            // farther from its place a face was not taken for that face
   std::vector<bool> held;              // per model face, see held_faces
+  bool is_free_to_shift = false;       // a pose has a free translation: where faces end is not known
   bool is_determined = true;           // no pose has a free direction, or only one that moves no face
 };
 

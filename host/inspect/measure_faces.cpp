@@ -17,6 +17,7 @@ struct Sight {
   std::vector<uint32_t> on;  // points of the face
   size_t met = 0;            // rays that should have met it
   size_t behind = 0;         // went clearly through where its material should be
+  size_t covered = 0;        // ended before it, where another face of the part goes on over it
   size_t elsewhere = 0;      // points at another surface or off by more than the gate
 };
 
@@ -60,6 +61,9 @@ std::vector<Sight> sort_points(const Solid& model, const JoinedScan& joined) {
     } else {
       ++sight.elsewhere;
       if (!near && cast.beyond_mm[i] > joined.max_offset_mm) ++sight.behind;
+      // Whose point it is has been decided: within the gate, too, it may be another face's.
+      const bool is_off = std::abs(cast.deviation_mm[i]) > 3 * cast.sigma_mm[i];
+      if (surface_of_point[i] != 0 && cast.beyond_mm[i] < 0 && is_off) ++sight.covered;
     }
   }
   return sights;
@@ -84,6 +88,16 @@ std::string in_words(const char* format, double a, double b = 0) {
   std::array<char, 160> text{};
   std::snprintf(text.data(), text.size(), format, a, b);
   return text.data();
+}
+
+std::string why_absent(const Sight& sight) {
+  const double met = static_cast<double>(sight.met), behind = static_cast<double>(sight.behind),
+               covered = static_cast<double>(sight.covered);
+  const std::string who = in_words("rays prove it absent: of %.0f ", met);
+  if (sight.covered == 0) return who + in_words("%.0f went through its place", behind);
+  if (sight.behind == 0) return who + in_words("%.0f ended on a face that goes on over it", covered);
+  return who + in_words("%.0f went through its place and %.0f ended on a face that goes on over it", behind,
+                        covered);
 }
 
 // Flatness and profile ask for form; orientation holds it too.
@@ -152,16 +166,18 @@ MeasuredPart measure_faces(const JoinedScan& joined, const Solid& model, const R
     for (const uint32_t i : sight.on) part.point_face[i] = face.id;
     part.share.push_back(share_of_set_ups(joined, sight.on, pose.covariances.size()));
 
-    // More than half of the rays went through, and hardly one found it: it is not there.
-    const bool absent = out.measured_id == 0 && sight.met >= kLeastPoints && 2 * sight.behind > sight.met &&
-                        5 * sight.on.size() < sight.met;
+    // Most of the rays went through, or ended on the part's own surface over it, and hardly one found it: it
+    // is not there. Something else in the way, a fixture say, only hides it. Where it should be must be
+    // known.
+    const bool absent = out.measured_id == 0 && sight.met >= kLeastPoints &&
+                        2 * (sight.behind + sight.covered) > sight.met && 5 * sight.on.size() < sight.met &&
+                        joined.held[k] && !joined.is_free_to_shift;
     if (absent) {
       part.missing.push_back(face.id);
       if (wanted) out.verdict = Verdict::fail;
       out.points_used = sight.on.size();
       out.points_rejected = sight.elsewhere;
-      out.reason = in_words("rays prove it absent: %.0f of %.0f went through its place",
-                            static_cast<double>(sight.behind), static_cast<double>(sight.met));
+      out.reason = why_absent(sight);
     } else {
       const PoseError pose_error = pose.error(part.share.back(), face.id);
       measure(sight,
