@@ -9,6 +9,7 @@
 #include "host/match/held_by_curves.hpp"
 #include "host/match/match.hpp"
 #include "host/match/match_surface.hpp"
+#include "host/match/planes_met.hpp"
 #include "host/match/rank_poses.hpp"
 #include "host/match/rule_out.hpp"
 #include "host/match/score_rays.hpp"
@@ -88,6 +89,12 @@ Result<Match> match_planes(const Solid& solid, const RayCaster& caster, const Sc
                          std::make_move_iterator(ranked.poses.end()));
     ranked.poses.erase(cheap, ranked.poses.end());
   }
+  const FaceList met = planes_met(solid, caster, scan, faces, *input, ranked.poses);
+  input->measured = *measured_planes(met);
+  for (RankedPose& ranked_pose : ranked.poses)
+    ranked_pose.pose =
+        refine_pose(observations(input->model, input->measured, ranked_pose.pairs),
+                    ranked_pose.pose.T_model_part, input->model.pivot_mm, input->model.size_mm, input->prior);
   Match match = conclude_match(*input, ranked);
   match.ruled_out.insert(match.ruled_out.begin(), ruled_out.begin(), ruled_out.end());
   if (match.ruled_out.size() > kMostRuledOut) match.ruled_out.resize(kMostRuledOut);

@@ -15,6 +15,7 @@ namespace {
 constexpr double kChi2_3_999 = 16.27;  // 99.9 % of chi-square with 3 degrees of freedom: offset and two tilts
 constexpr double kChi2_1_median = 0.4549;
 constexpr double kPriorFreedom = 4;
+constexpr double kBounds = 0.05;  // cosine between its normal and a direction that a face bounds
 
 using Rows = Eigen::Matrix<double, 3, 6>;
 
@@ -250,7 +251,7 @@ class Fit {
     double low = 1e300, high = -1e300;  // where each would put the part along `free`
     for (size_t k = 0; k < seen_.size(); ++k) {
       const double cosine = seen_[k].model_normal.dot(free);
-      if (std::abs(cosine) < 0.05 || (weight_[k] > 0 && k != holder)) continue;
+      if (std::abs(cosine) < kBounds || (weight_[k] > 0 && k != holder)) continue;
       const Vec3 r = plane_residual(seen_[k], result_.T_model_part);
       const Mat3 W = information(seen_[k], result_.scatter_mm, result_.scatter_rad);
       if (r[1] * r[1] * W(1, 1) + r[2] * r[2] * W(2, 2) > kChi2_3_999) continue;  // tilted: not the same face
@@ -258,10 +259,22 @@ class Fit {
       low = std::min(low, r[0] / cosine);
       high = std::max(high, r[0] / cosine);
     }
-    if (candidates.size() < 2 || !(high > low)) return;
+    if (candidates.size() < 2 || !(high > low)) {
+      if (holder == seen_.size()) hold_loosely(free, shared);
+      return;
+    }
     for (const size_t k : candidates)
       shared[k] = 1 / ((high - low) * (high - low) *
                        information(seen_[k], result_.scatter_mm, result_.scatter_rad)(0, 0));
+  }
+
+  // Nothing that is kept bounds this direction, and a face that is tilted does: its middle still says about
+  // where it is. It counts as far as it is believed, with its uncertainty widened to what it deviates (Birge,
+  // Phys. Rev. 40 (1932) 207).
+  void hold_loosely(const Vec3& free, std::vector<double>& shared) const {
+    for (size_t k = 0; k < seen_.size(); ++k)
+      if (std::abs(seen_[k].model_normal.dot(free)) >= kBounds && !(weight_[k] > 0))
+        shared[k] = std::min(1.0, 3 / cost(k));
   }
 
   void conclude() {
