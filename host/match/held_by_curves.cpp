@@ -27,7 +27,8 @@ bool curves_hold(const std::vector<FreeDirection>& free, const Solid& model, con
       const double cosine = ray.normal.dot(direction.axis);
       holding += cosine * cosine;
     }
-    return holding * static_cast<double>(scan.size()) >= kLeastPoints * static_cast<double>(score.rays);
+    return holding * static_cast<double>(scan.size()) >=
+           kLeastPoints * static_cast<double>(score.sampled.size());
   });
 }
 

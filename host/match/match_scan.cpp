@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 
 #include "host/match/held_by_curves.hpp"
 #include "host/match/match.hpp"
@@ -29,7 +30,8 @@ constexpr double kMostlyPlanes = 0.5;
 // The share of rays that may speak against a pose by the surface: stray points, what is out of place.
 constexpr double kMostAgainst = 0.25;
 constexpr size_t kMostStarts = 24;
-constexpr size_t kScored = 600;  // rays
+constexpr size_t kScored = 600;     // rays
+constexpr double kTolerance = 0.3;  // of the gate: a ray that ends farther off contradicts a pose
 
 // By how many standard deviations more rays contradict a pose than another. Only rays that contradict one of
 // the two count (McNemar, Psychometrika 12 (1947) 153): points on no face of the part (fixture, table) and on
@@ -43,15 +45,41 @@ double more_against(const RayScore& score, const RayScore& than) {
   return (here - there) / std::sqrt(here + there + 4);
 }
 
+// A measured face that has its place on the model may lie off that place within the gates: the pose counts it
+// as out of place, or as large as it is wrong in size. Its points on their way to that place do not speak
+// against the pose once more, or one that shares the error out among several faces would seem better.
+void forgive_paired(RayScore& score, const Solid& solid, const std::vector<int>& face_of_point,
+                    const MatchInput& input, const RankedPose& pose) {
+  std::map<int, int> surface_of;  // by the measured face's id
+  for (const PlanePair& pair : pose.pairs) {
+    const auto of_model = static_cast<size_t>(input.model.planes[pair.model].id) - 1;
+    surface_of[input.measured.planes[pair.measured].id] = solid.faces()[of_model].surface;
+  }
+  for (SampledRay& ray : score.sampled) {
+    if (ray.face < 0) continue;
+    const auto partner = surface_of.find(face_of_point[ray.ray]);
+    if (partner != surface_of.end() &&
+        partner->second == solid.faces()[static_cast<size_t>(ray.face)].surface)
+      ray.is_against = false;
+  }
+}
+
 // Keeps the poses that the rays contradict no more than the best, and returns the others with what rules them
 // out.
-std::vector<RuledOutPose> keep_what_rays_allow(std::vector<RankedPose>& poses, const RayCaster& caster,
-                                               const Scan& scan, double tolerance_mm) {
+std::vector<RuledOutPose> keep_what_rays_allow(std::vector<RankedPose>& poses, const MatchInput& input,
+                                               const Solid& solid, const RayCaster& caster, const Scan& scan,
+                                               const MeasuredFaces& faces) {
   // Small features decide by their own few rays; with many poses to compare, fewer must do.
   const size_t samples = std::clamp<size_t>(40000 / poses.size(), 300, 10000);
+  std::vector<int> face_of_point(scan.size(), 0);  // id; 0: of none
+  for (size_t k = 0; k < faces.face_points.size(); ++k)
+    for (const uint32_t i : faces.face_points[k]) face_of_point[i] = static_cast<int>(k) + 1;
   std::vector<RayScore> scores;
-  for (const RankedPose& pose : poses)
-    scores.push_back(score_rays(caster, scan, pose.pose.T_model_part, samples, tolerance_mm));
+  for (const RankedPose& pose : poses) {
+    scores.push_back(
+        score_rays(caster, scan, pose.pose.T_model_part, samples, kTolerance * input.gates.offset_mm));
+    forgive_paired(scores.back(), solid, face_of_point, input, pose);
+  }
   size_t best = 0;
   for (size_t k = 1; k < scores.size(); ++k)
     if (scores[k].against() < scores[best].against()) best = k;
@@ -81,7 +109,7 @@ Result<Match> match_planes(const Solid& solid, const RayCaster& caster, const Sc
   if (ranked.poses.empty()) return no_pose_error(input->model, input->measured, input->gates);
   std::vector<RuledOutPose> ruled_out;
   if (ranked.poses.size() > 1) {
-    ruled_out = keep_what_rays_allow(ranked.poses, caster, scan, 0.3 * input->gates.offset_mm);
+    ruled_out = keep_what_rays_allow(ranked.poses, *input, solid, caster, scan, faces);
     const double limit = ranked.poses[0].cost + kSameCost;
     const auto cheap = std::find_if(ranked.poses.begin(), ranked.poses.end(),
                                     [&](const RankedPose& pose) { return pose.cost >= limit; });
@@ -147,11 +175,11 @@ Result<Match> match_scan(const Solid& solid, const RayCaster& caster, const Scan
   // Whoever names pairs of faces wants these, not what fits better without them.
   if (!options.rules.empty()) return planes;
   const auto score = [&](const Match& match) {
-    return score_rays(caster, scan, match.T_model_part, kScored, 0.3 * known.max_offset_mm);
+    return score_rays(caster, scan, match.T_model_part, kScored, kTolerance * known.max_offset_mm);
   };
   const RayScore by_planes = planes ? score(*planes) : RayScore{};
-  const bool contradicted =
-      static_cast<double>(by_planes.against()) >= kTooMuchAgainst * static_cast<double>(by_planes.rays);
+  const bool contradicted = static_cast<double>(by_planes.against()) >=
+                            kTooMuchAgainst * static_cast<double>(by_planes.sampled.size());
   if (planes && planes->undetermined.empty() && !contradicted) return planes;
 
   std::vector<RigidTransform> starts;
@@ -175,7 +203,7 @@ Result<Match> match_scan(const Solid& solid, const RayCaster& caster, const Scan
   // tenths of a millimetre.
   if (share_paired(scan, faces, *planes) > kMostlyPlanes && is_one_of(*planes, surface->match, known) &&
       !curves_hold(planes->undetermined, solid, caster, scan, surface->match.T_model_part,
-                   0.3 * known.max_offset_mm))
+                   kTolerance * known.max_offset_mm))
     return planes;
   const bool says_more = surface->match.undetermined.size() < planes->undetermined.size();
   if (says_more || more_against(by_planes, score(surface->match)) > kNoChance)

@@ -107,6 +107,26 @@ TEST(MatchScan, APlateWithAllFourHolesOutOfPlaceIsNotTurnedOver) {
   }
 }
 
+TEST(MatchScan, APlateTooThickIsNotTurnedOver) {
+  // Turned over it fits as well by its outer planes, and the error in thickness is shared out between two of
+  // them: but there neither the slot nor the holes are.
+  const auto plate = [](double thickness) {
+    const auto hole = [](double x, double y, double r) {
+      return "multmatrix([[1, 0, 0, " + std::to_string(x) + "], [0, 1, 0, " + std::to_string(y) +
+             "], [0, 0, 1, -1], [0, 0, 0, 1]]) { cylinder($fn = 0, $fa = 12, $fs = 2, h = 40, r1 = " +
+             std::to_string(r) + ", r2 = " + std::to_string(r) + ", center = false); }\n";
+    };
+    return solid("difference() {\n" + block("52, 34, " + std::to_string(thickness), "0 0 0") +
+                 hole(12, 10, 4) + hole(38, 24, 3) + block("8, 14, 20", "20 6 4") + "}\n");
+  };
+  const Solid model = plate(9);
+  for (const double thickness : {8.7, 9.3, 9.5}) {
+    const Simulated run = match_simulated(model, plate(thickness), 15000, 5);
+    EXPECT_LT(rotation_angle(run.error.R), 0.02 * std::numbers::pi / 180) << thickness;
+    EXPECT_TRUE(run.match->equivalents.empty()) << thickness;
+  }
+}
+
 TEST(MatchScan, ABoxWithAHoleIsResolvedByRaysAlone) {
   // A bore has no plane: the six planes of the box leave four poses, and only rays into the bore say which.
   const Solid model = solid(

@@ -93,7 +93,7 @@ RuledOutPose ruled_out_by_rays(const RigidTransform& T_model_part, const RayScor
   out.T_model_part = T_model_part;
   out.why = motion_text(T_model_part * T_model_part_best.inverse()) +
             text(", %zu of %zu rays go through material or end in the air (%zu as chosen):", rival.against(),
-                 rival.rays, best.against());
+                 rival.sampled.size(), best.against());
   for (const auto& [face, tally] : faces) {
     if (tally.against == 0 || out.model_faces.size() == kMostNamed ||
         strength(tally) < 0.3 * strength(faces.front().second))

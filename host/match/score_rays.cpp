@@ -21,21 +21,14 @@ RayScore score_rays(const RayCaster& caster, const Scan& scan, const RigidTransf
     const Vec3 point = T * scan.points[i];
     const double range = (point - origin).norm();
     if (!(range > 0)) continue;
-    ++score.rays;
     const Vec3 direction = (point - origin) / range;
     const std::optional<RayHit> hit = caster.first_hit(origin, direction);
     const double across = hit ? std::max(kLeastCosine, std::abs(hit->normal.dot(direction))) : 1.0;
     const double tolerance = std::max(3.0 * static_cast<double>(scan.sigma_mm[i]), tolerance_mm / across);
     const bool through = hit && hit->distance_mm < range - tolerance;
     const bool in_air = !hit || hit->distance_mm > range + tolerance;
-    score.sampled.push_back(
-        {hit ? hit->face : -1, hit ? hit->normal : Vec3(Vec3::Zero()), through || in_air});
-    if (through) {
-      ++score.through;
-      score.inside_mm += caster.length_inside(origin, point - tolerance * direction);
-    } else if (in_air) {
-      ++score.in_air;
-    }
+    score.sampled.push_back({static_cast<uint32_t>(i), hit ? hit->face : -1,
+                             hit ? hit->normal : Vec3(Vec3::Zero()), through || in_air});
   }
   return score;
 }

@@ -2,6 +2,7 @@
 // What the measuring rays say about a pose: light went through air up to the point and met material there.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -12,19 +13,19 @@
 namespace tetragauge {
 
 struct SampledRay {
+  uint32_t ray = 0;            // of the scan
   int face = -1;               // index of the model face its beam met first; -1: none
   Vec3 normal = Vec3::Zero();  // of that face where the beam met it, model frame
-  bool is_against = false;
+  bool is_against = false;     // went through the posed model's material, or ends where that has no surface
 };
 
 struct RayScore {
-  size_t rays = 0;       // sampled
-  size_t through = 0;    // went through the posed model's material before their point
-  size_t in_air = 0;     // their point lies where the posed model has no surface
-  double inside_mm = 0;  // free-space violation: summed length inside the material beyond the tolerance
   std::vector<SampledRay> sampled;
 
-  size_t against() const { return through + in_air; }
+  size_t against() const {
+    return static_cast<size_t>(
+        std::count_if(sampled.begin(), sampled.end(), [](const SampledRay& ray) { return ray.is_against; }));
+  }
 };
 
 // Every (size / `samples`)-th ray. A ray agrees if the model's surface lies within `tolerance_mm` or three
